@@ -1,0 +1,127 @@
+//! Points, rectangles and poses in the arena frame, in metres and radians, as `f64`.
+//!
+//! These are the words that vision, grid and plan share; the robot's own `f32` types live in
+//! [`protocol::motion`] and the conversion is in one place, the legs.
+
+use serde::{Deserialize, Serialize};
+
+/// A point of the arena, metres. In JSON: `[x, y]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
+pub struct Point {
+    /// To the right of the arena's lower-left corner, metres.
+    pub x: f64,
+    /// Above the arena's lower-left corner, metres.
+    pub y: f64,
+}
+
+impl Point {
+    /// The point at (`x`, `y`) metres.
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self { x, y }
+    }
+
+    /// The straight distance to `other`, metres.
+    pub fn distance(self, other: Self) -> f64 {
+        (other.x - self.x).hypot(other.y - self.y)
+    }
+}
+
+impl From<[f64; 2]> for Point {
+    fn from([x, y]: [f64; 2]) -> Self {
+        Self { x, y }
+    }
+}
+
+impl From<Point> for [f64; 2] {
+    fn from(point: Point) -> Self {
+        [point.x, point.y]
+    }
+}
+
+/// A rectangle with sides parallel to the arena's, metres. In JSON: `[x0, y0, x1, y1]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 4]", into = "[f64; 4]")]
+pub struct Rect {
+    /// Left edge, metres.
+    pub x0: f64,
+    /// Lower edge, metres.
+    pub y0: f64,
+    /// Right edge, metres.
+    pub x1: f64,
+    /// Upper edge, metres.
+    pub y1: f64,
+}
+
+impl Rect {
+    /// The rectangle between the lower-left corner (`x0`, `y0`) and the upper-right corner (`x1`, `y1`).
+    pub const fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
+        Self { x0, y0, x1, y1 }
+    }
+
+    /// Whether `point` lies strictly inside.
+    pub fn contains(self, point: Point) -> bool {
+        self.x0 < point.x && point.x < self.x1 && self.y0 < point.y && point.y < self.y1
+    }
+
+    /// The distance from `point` to the rectangle, metres; 0 inside.
+    pub fn distance(self, point: Point) -> f64 {
+        let dx = (self.x0 - point.x).max(point.x - self.x1).max(0.0);
+        let dy = (self.y0 - point.y).max(point.y - self.y1).max(0.0);
+        dx.hypot(dy)
+    }
+}
+
+impl From<[f64; 4]> for Rect {
+    fn from([x0, y0, x1, y1]: [f64; 4]) -> Self {
+        Self { x0, y0, x1, y1 }
+    }
+}
+
+impl From<Rect> for [f64; 4] {
+    fn from(rect: Rect) -> Self {
+        [rect.x0, rect.y0, rect.x1, rect.y1]
+    }
+}
+
+/// Where a robot stands and looks: metres and radians. In JSON: `[x, y, heading]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 3]", into = "[f64; 3]")]
+pub struct Pose {
+    /// The centre of the wheel axis, metres.
+    pub position: Point,
+    /// Counter-clockwise from +x, radians, in (-π, π].
+    pub heading: f64,
+}
+
+impl Pose {
+    /// The pose at (`x`, `y`) metres with `heading` radians.
+    pub const fn new(x: f64, y: f64, heading: f64) -> Self {
+        Self { position: Point::new(x, y), heading }
+    }
+}
+
+impl From<[f64; 3]> for Pose {
+    fn from([x, y, heading]: [f64; 3]) -> Self {
+        Self::new(x, y, heading)
+    }
+}
+
+impl From<Pose> for [f64; 3] {
+    fn from(pose: Pose) -> Self {
+        [pose.position.x, pose.position.y, pose.heading]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_to_a_rectangle_is_measured_to_its_nearest_edge_or_corner() {
+        let rect = Rect::new(1.0, 1.0, 2.0, 3.0);
+        assert_eq!(rect.distance(Point::new(1.5, 2.0)), 0.0);
+        assert_eq!(rect.distance(Point::new(0.0, 2.0)), 1.0);
+        assert_eq!(rect.distance(Point::new(5.0, 7.0)), 5.0);
+    }
+}

@@ -1,0 +1,18 @@
+//! From an overhead photo to a driven robot.
+//!
+//! ```text
+//! photo ─► vision ─► scene ─► grid ─► plan ─► legs ─► link ═serial═ robot
+//!          metres    boxes    areas   points  poses   frames
+//! ```
+//! Every stage is a module, usable alone, that names only what stands to its left;
+//! [`picture`] draws what each stage saw. The library performs no I/O beyond decoding bytes it is given.
+//!
+//! Frames and units: the arena frame has its origin at the floor's lower-left corner as the picture
+//! shows it, x to the right, y up, headings counter-clockwise from +x in (-π, π]; lengths in metres.
+
+pub mod geometry;
+pub mod grid;
+pub mod picture;
+pub mod plan;
+pub mod scene;
+pub mod vision;

@@ -1,0 +1,3 @@
+//! The `wmr` command line.
+
+fn main() {}

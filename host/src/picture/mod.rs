@@ -1,0 +1,1 @@
+//! Draws what each stage of the flow saw, as SVG.

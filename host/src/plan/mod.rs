@@ -1,0 +1,1 @@
+//! Finds the way from start to goal through the areas [Alghannam, Sec. III].

@@ -1,0 +1,218 @@
+//! The scene: arena, obstacles, robot radius, start and goal, and its file format.
+//!
+//! It stands between vision, which makes one, and the grid method, which plans on it; it can be
+//! edited by hand and used instead of the photo. Metres and radians in the arena frame.
+
+use crate::geometry::{Point, Pose, Rect};
+use serde::{Deserialize, Serialize};
+
+/// The robot radius of the paper's experiment, metres [Alghannam, Sec. V]; used where no input names one.
+pub const DEFAULT_ROBOT_RADIUS: f64 = 0.075;
+
+/// An arena with its obstacles: what the planner knows of the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Names the format and its version.
+    pub format: SceneFormat,
+    /// The floor's size.
+    pub arena: Arena,
+    /// The radius of the disc that covers the robot, metres.
+    #[serde(default = "default_robot_radius")]
+    pub robot_radius: f64,
+    /// Footprints of the obstacles, metres.
+    pub obstacles: Vec<Rect>,
+    /// Where the robot stands, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Pose>,
+    /// Where the robot is to go, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<Goal>,
+    /// Start and goal pairs of a benchmark arena.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub queries: Vec<Query>,
+}
+
+/// The tag at the head of a scene file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SceneFormat {
+    /// One arena with at most one start and one goal.
+    #[serde(rename = "wmr-scene/1")]
+    Scene,
+    /// One arena with many queries.
+    #[serde(rename = "wmr-arena/1")]
+    Arena,
+}
+
+/// The floor's size, metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Arena {
+    /// Along x, metres.
+    pub width: f64,
+    /// Along y, metres.
+    pub height: f64,
+}
+
+/// Where the robot is to go, and which way it shall look there, if that matters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
+pub struct Goal {
+    /// The goal's position, metres.
+    pub position: Point,
+    /// The heading on arrival, radians; `None` leaves it to the last leg.
+    pub heading: Option<f64>,
+}
+
+/// One start and goal of a benchmark arena, with the exact length where known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Query {
+    /// Where the way begins, metres.
+    pub start: Point,
+    /// Where the way ends, metres.
+    pub goal: Point,
+    /// The exact shortest length among the box-enlarged obstacles, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+}
+
+/// Why a scene cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The text is not JSON of the scene format.
+    #[error("this is no scene: {0}")]
+    Format(#[from] serde_json::Error),
+    /// A number is not finite, or not in its range.
+    #[error("{what} is {value}; {need}")]
+    Value {
+        /// The field.
+        what: &'static str,
+        /// What it holds.
+        value: f64,
+        /// What it must hold.
+        need: &'static str,
+    },
+}
+
+impl Scene {
+    /// An empty arena of `width` × `height` metres with the paper's robot.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self {
+            format: SceneFormat::Scene,
+            arena: Arena { width, height },
+            robot_radius: DEFAULT_ROBOT_RADIUS,
+            obstacles: Vec::new(),
+            start: None,
+            goal: None,
+            queries: Vec::new(),
+        }
+    }
+
+    /// Reads a scene from the text of a `wmr-scene/1` or `wmr-arena/1` file.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text is not of the format or a number in it makes no sense.
+    ///
+    /// ```
+    /// let scene = host::scene::Scene::from_json(
+    ///     r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.5,0,1,0.5]]}"#,
+    /// )?;
+    /// assert_eq!(scene.obstacles.len(), 1);
+    /// # Ok::<(), host::scene::SceneError>(())
+    /// ```
+    pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        let scene: Self = serde_json::from_str(text)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        positive("arena.width", self.arena.width)?;
+        positive("arena.height", self.arena.height)?;
+        if !(self.robot_radius >= 0.0 && self.robot_radius.is_finite()) {
+            return Err(SceneError::Value {
+                what: "robot_radius",
+                value: self.robot_radius,
+                need: "it must be at least 0 and finite",
+            });
+        }
+        for rect in &self.obstacles {
+            ordered("an obstacle's right edge", rect.x0, rect.x1)?;
+            ordered("an obstacle's upper edge", rect.y0, rect.y1)?;
+        }
+        Ok(())
+    }
+}
+
+fn default_robot_radius() -> f64 {
+    DEFAULT_ROBOT_RADIUS
+}
+
+fn positive(what: &'static str, value: f64) -> Result<(), SceneError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(SceneError::Value { what, value, need: "it must be above 0 and finite" })
+    }
+}
+
+fn ordered(what: &'static str, low: f64, high: f64) -> Result<(), SceneError> {
+    if low < high && low.is_finite() && high.is_finite() {
+        Ok(())
+    } else {
+        Err(SceneError::Value {
+            what,
+            value: high,
+            need: "it must be finite and greater than the opposite edge (order: x0, y0, x1, y1)",
+        })
+    }
+}
+
+impl TryFrom<Vec<f64>> for Goal {
+    type Error = String;
+
+    fn try_from(numbers: Vec<f64>) -> Result<Self, String> {
+        match *numbers.as_slice() {
+            [x, y] => Ok(Self { position: Point::new(x, y), heading: None }),
+            [x, y, heading] => Ok(Self { position: Point::new(x, y), heading: Some(heading) }),
+            _ => Err(format!("a goal has 2 or 3 numbers, not {}", numbers.len())),
+        }
+    }
+}
+
+impl From<Goal> for Vec<f64> {
+    fn from(goal: Goal) -> Self {
+        let mut numbers = vec![goal.position.x, goal.position.y];
+        numbers.extend(goal.heading);
+        numbers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_scene_reads_back_equal() {
+        let mut scene = Scene::new(1.6, 2.0);
+        scene.obstacles.push(Rect::new(0.1, 0.2, 0.3, 0.4));
+        scene.start = Some(Pose::new(0.2, 0.3, 1.0));
+        scene.goal = Some(Goal { position: Point::new(1.0, 1.5), heading: None });
+        let text = serde_json::to_string(&scene).unwrap();
+        assert_eq!(Scene::from_json(&text).unwrap(), scene);
+    }
+
+    #[test]
+    fn a_rectangle_turned_inside_out_is_refused_with_its_value() {
+        let text = r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[1,0,0.5,0.5]]}"#;
+        let error = Scene::from_json(text).unwrap_err();
+        assert!(error.to_string().contains("0.5"), "{error}");
+    }
+
+    #[test]
+    fn an_arena_without_size_is_refused() {
+        let text = r#"{"format":"wmr-scene/1","arena":{"width":0,"height":1},"obstacles":[]}"#;
+        assert!(matches!(
+            Scene::from_json(text),
+            Err(SceneError::Value { what: "arena.width", .. })
+        ));
+    }
+}

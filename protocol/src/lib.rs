@@ -1,0 +1,8 @@
+//! What the host and the robot both know: units, motion, messages, frames and session rules.
+//!
+//! ```text
+//! units ─► motion ─► message ─► frame ─► session
+//! ```
+//! Nothing here knows of pictures, motors or ports; there is no allocation, no clock and no I/O.
+#![cfg_attr(not(test), no_std)]
+#![warn(clippy::indexing_slicing)]

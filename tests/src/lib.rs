@@ -1,0 +1,1 @@
+//! End-to-end tests of wmr; this library holds what they share.
