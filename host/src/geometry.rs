@@ -39,6 +39,15 @@ impl From<Point> for [f64; 2] {
     }
 }
 
+/// The floor's size, metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Arena {
+    /// Along x, metres.
+    pub width: f64,
+    /// Along y, metres.
+    pub height: f64,
+}
+
 /// A rectangle with sides parallel to the arena's, metres. In JSON: `[x0, y0, x1, y1]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "[f64; 4]", into = "[f64; 4]")]

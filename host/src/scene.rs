@@ -3,7 +3,7 @@
 //! It stands between vision, which makes one, and the grid method, which plans on it; it can be
 //! edited by hand and used instead of the photo. Metres and radians in the arena frame.
 
-use crate::geometry::{Point, Pose, Rect};
+use crate::geometry::{Arena, Point, Pose, Rect};
 use serde::{Deserialize, Serialize};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V]; used where no input names one.
@@ -41,15 +41,6 @@ pub enum SceneFormat {
     /// One arena with many queries.
     #[serde(rename = "wmr-arena/1")]
     Arena,
-}
-
-/// The floor's size, metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Arena {
-    /// Along x, metres.
-    pub width: f64,
-    /// Along y, metres.
-    pub height: f64,
 }
 
 /// Where the robot is to go, and which way it shall look there, if that matters.
