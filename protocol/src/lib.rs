@@ -6,3 +6,9 @@
 //! Nothing here knows of pictures, motors or ports; there is no allocation, no clock and no I/O.
 #![cfg_attr(not(test), no_std)]
 #![warn(clippy::indexing_slicing)]
+
+pub mod frame;
+pub mod message;
+pub mod motion;
+pub mod session;
+pub mod units;

@@ -1,0 +1,197 @@
+//! Frames on the wire: postcard, then CRC-32C over header and payload, then COBS, then a zero.
+//!
+//! ```text
+//! ┌────────┬─────────┬────────────┐
+//! │ header │ message │ CRC-32C LE │ ─► COBS ─► 0x00
+//! └────────┴─────────┴────────────┘
+//! ```
+//! COBS leaves no zero inside a frame, so a receiver that lost its place finds it at the next zero;
+//! the CRC keeps what lies between two zeros from being taken for something else.
+
+use crc::{CRC_32_ISCSI, Crc, Table};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+/// CRC-32C: finds every error of up to 5 bits in a frame of this length.
+pub(crate) static CASTAGNOLI: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISCSI);
+
+const CRC_SIZE: usize = 4;
+/// Header, message and CRC, before COBS.
+const MAX_CONTENT: usize = 120;
+/// The longest frame on the wire with its closing zero: COBS adds a byte for each 254 begun.
+pub const MAX_FRAME: usize = MAX_CONTENT + 2;
+
+/// What stands before every message.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// The session that it belongs to; 0 before there is one.
+    pub session: u32,
+    /// Its number, if it is on the reliable lane.
+    pub sequence: Option<u16>,
+    /// All of the other end's numbers before this one have arrived and been handled.
+    pub ack: u16,
+    /// Bit i: number `ack` + i has arrived.
+    pub ack_bits: u8,
+}
+
+/// Why a frame cannot be written or read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// The frame does not fit.
+    TooLong,
+    /// What arrived is no COBS, or shorter than a CRC.
+    Broken,
+    /// The CRC differs: bytes were lost or changed.
+    Damaged,
+    /// The CRC is right, but the bytes are no message of this protocol.
+    Unknown,
+}
+
+/// Writes one frame with its closing zero into `out`; returns its length.
+///
+/// # Errors
+/// [`FrameError::TooLong`] if `out` or a frame is too short for it.
+///
+/// ```
+/// use protocol::frame::*;
+/// let mut wire = [0; MAX_FRAME];
+/// let length = encode(&Header::default(), &7u8, &mut wire)?;
+/// assert_eq!(wire[length - 1], 0);
+/// let (header, message): (Header, u8) = decode(&mut wire[..length - 1])?;
+/// assert_eq!(message, 7);
+/// # Ok::<(), FrameError>(())
+/// ```
+pub fn encode<T: Serialize>(
+    header: &Header,
+    message: &T,
+    out: &mut [u8],
+) -> Result<usize, FrameError> {
+    let mut content = [0; MAX_CONTENT];
+    let length = postcard::to_slice(&(header, message), &mut content)
+        .map_err(|_| FrameError::TooLong)?
+        .len();
+    let (body, rest) = content.split_at_mut(length);
+    let crc = CASTAGNOLI.checksum(body).to_le_bytes();
+    rest.get_mut(..CRC_SIZE).ok_or(FrameError::TooLong)?.copy_from_slice(&crc);
+    let content = content.get(..length + CRC_SIZE).ok_or(FrameError::TooLong)?;
+    let room = out.len().checked_sub(1).ok_or(FrameError::TooLong)?;
+    let stuffed = out.get_mut(..room).ok_or(FrameError::TooLong)?;
+    let length = cobs::try_encode(content, stuffed).map_err(|_| FrameError::TooLong)?;
+    *out.get_mut(length).ok_or(FrameError::TooLong)? = 0;
+    Ok(length + 1)
+}
+
+/// Reads the frame that stood between two zeros; `bytes` is used as scratch space.
+///
+/// # Errors
+/// [`FrameError`] if it is not a whole, undamaged frame that carries a `T`.
+pub fn decode<T: DeserializeOwned>(bytes: &mut [u8]) -> Result<(Header, T), FrameError> {
+    let length = cobs::decode_in_place(bytes).map_err(|_| FrameError::Broken)?;
+    let content = bytes.get(..length).ok_or(FrameError::Broken)?;
+    let split = length.checked_sub(CRC_SIZE).ok_or(FrameError::Broken)?;
+    let (body, crc) = content.split_at_checked(split).ok_or(FrameError::Broken)?;
+    if CASTAGNOLI.checksum(body).to_le_bytes() != crc {
+        return Err(FrameError::Damaged);
+    }
+    match postcard::take_from_bytes::<(Header, T)>(body) {
+        Ok((content, [])) => Ok(content),
+        _ => Err(FrameError::Unknown),
+    }
+}
+
+/// Collects bytes until a zero closes a frame.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    bytes: [u8; MAX_FRAME],
+    length: usize,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self { bytes: [0; MAX_FRAME], length: 0 }
+    }
+}
+
+impl Decoder {
+    /// Takes one byte from the wire; at the end of a frame, what it held.
+    ///
+    /// Two zeros in a row hold nothing. What is longer than any frame is reported as an error at
+    /// its zero, and forgotten.
+    pub fn push<T: DeserializeOwned>(
+        &mut self,
+        byte: u8,
+    ) -> Option<Result<(Header, T), FrameError>> {
+        if byte != 0 {
+            if let Some(place) = self.bytes.get_mut(self.length) {
+                *place = byte;
+            }
+            self.length = (self.length + 1).min(MAX_FRAME + 1);
+            return None;
+        }
+        let length = core::mem::take(&mut self.length);
+        match self.bytes.get_mut(..length) {
+            Some([]) => None,
+            Some(frame) => Some(decode(frame)),
+            None => Some(Err(FrameError::TooLong)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_check_value_of_crc_32c() {
+        assert_eq!(CASTAGNOLI.checksum(b"123456789"), 0xE306_9283);
+    }
+
+    #[test]
+    fn a_frame_by_hand() {
+        let header = Header { session: 1, sequence: None, ack: 0, ack_bits: 0 };
+        let mut wire = [0; MAX_FRAME];
+        let length = encode(&header, &7u8, &mut wire).unwrap();
+        let crc = CASTAGNOLI.checksum(&[1, 0, 0, 0, 7]).to_le_bytes();
+        // COBS: 1 then a zero; zero; zero; then 7 and the CRC (no zero in it).
+        assert!(!crc.contains(&0));
+        let expected = [2, 1, 1, 1, 6, 7, crc[0], crc[1], crc[2], crc[3], 0];
+        assert_eq!(&wire[..length], &expected);
+    }
+
+    #[test]
+    fn a_decoder_finds_its_place_again_after_noise() {
+        let mut wire = [0; MAX_FRAME];
+        let length = encode(&Header::default(), &42u32, &mut wire).unwrap();
+        let mut decoder = Decoder::default();
+        let noise = [9u8; 3 * MAX_FRAME];
+        let stream = noise.iter().chain(&[0, 0]).chain(&wire[..length]);
+        let results: Vec<_> = stream.filter_map(|byte| decoder.push::<u32>(*byte)).collect();
+        assert_eq!(results, [Err(FrameError::TooLong), Ok((Header::default(), 42))]);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read(session: u32, sequence: Option<u16>, ack: u16, ack_bits: u8, message: [u32; 8]) {
+            let header = Header { session, sequence, ack, ack_bits };
+            let mut wire = [0; MAX_FRAME];
+            let length = encode(&header, &message, &mut wire).unwrap();
+            prop_assert_eq!(decode(&mut wire[..length - 1]), Ok((header, message)));
+        }
+
+        #[test]
+        fn a_changed_byte_is_never_taken_for_a_message(message: [u32; 4], at: prop::sample::Index, xor in 1u8..) {
+            let mut wire = [0; MAX_FRAME];
+            let length = encode(&Header::default(), &message, &mut wire).unwrap();
+            wire[at.index(length - 1)] ^= xor;
+            prop_assert!(decode::<[u32; 4]>(&mut wire[..length - 1]).is_err());
+        }
+
+        #[test]
+        fn any_bytes_are_survived(bytes: Vec<u8>) {
+            let mut decoder = Decoder::default();
+            for byte in bytes {
+                let _ = decoder.push::<[u32; 4]>(byte);
+            }
+        }
+    }
+}

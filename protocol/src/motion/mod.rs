@@ -1,0 +1,179 @@
+//! Poses, twists, legs and how a leg runs over time; both ends of the link need them.
+//!
+//! ```text
+//! Leg ─► IntervalMotion (turn, drive, turn) ─► Pose at phase k/N
+//!               ▲
+//!           Profile (how long, how fast)
+//! ```
+//! A leg is the paper's n = 3 manoeuvre [Alghannam, Sec. IV]: three intervals, in which only the
+//! heading, only the displacement, and only the heading again change. Arena frame, SI.
+//!
+//! Time inside an interval is counted in *phases* of 1/256 control tick and never summed up as a
+//! float, so that an interval ends exactly where it should; the fine step lets a pause scale time.
+
+mod interval;
+mod profile;
+
+pub use interval::{Infeasible, IntervalMotion, Refusal, TurnLaw};
+pub use profile::Profile;
+
+use crate::units::{
+    Metres, MetresPerSecond, MetresPerSecondSquared, Radians, RadiansPerSecond, Seconds,
+};
+use serde::{Deserialize, Serialize};
+
+/// Control ticks per second.
+pub const TICKS_PER_SECOND: u32 = 200;
+/// The control period, 5 ms.
+pub const TICK: Seconds = Seconds(0.005);
+/// The control period in whole milliseconds.
+pub const TICK_MILLISECONDS: u32 = 5;
+/// Phases in one control tick.
+pub const PHASES_PER_TICK: u32 = 256;
+
+/// Where the robot stands and looks, arena frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// The middle of the wheel axis, to the right of the arena's lower-left corner.
+    pub x: Metres,
+    /// The middle of the wheel axis, above the arena's lower-left corner.
+    pub y: Metres,
+    /// Counter-clockwise from +x, in (-π, π].
+    pub heading: Radians,
+}
+
+/// Where a leg ends, arena frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Position {
+    /// To the right of the arena's lower-left corner.
+    pub x: Metres,
+    /// Above the arena's lower-left corner.
+    pub y: Metres,
+}
+
+/// How fast the robot moves along and turns about its own centre: u1 and u2 of [Alghannam, Eq. 3].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Twist {
+    /// u1: along the heading.
+    pub linear: MetresPerSecond,
+    /// u2: about the vertical axis.
+    pub angular: RadiansPerSecond,
+}
+
+/// How fast the wheels turn; positive drives forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WheelSpeeds {
+    /// The left wheel.
+    pub left: RadiansPerSecond,
+    /// The right wheel.
+    pub right: RadiansPerSecond,
+}
+
+/// What the wheels' rims may do, and how far apart they stand.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// V: the fastest a rim may move.
+    pub speed: MetresPerSecond,
+    /// A: the fastest a rim may change its speed.
+    pub acceleration: MetresPerSecondSquared,
+    /// b: the distance between the wheels' contact points.
+    pub track: Metres,
+}
+
+/// Which end of the robot goes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// Towards the heading.
+    Forward,
+    /// Away from the heading.
+    Reverse,
+}
+
+/// How the time of a leg is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Timing {
+    /// Each interval as short as the limits allow.
+    Limits,
+    /// Three equal intervals [Alghannam, Eq. 6, n = 3], and the law applied to tan φ.
+    Paper {
+        /// N: control ticks of each interval; the leg takes T = 3 N ticks.
+        interval_ticks: u32,
+    },
+}
+
+/// The three parts of a leg, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interval {
+    /// On the spot, to the direction of the drive.
+    FirstTurn,
+    /// Straight, to the goal's position.
+    Drive,
+    /// On the spot, to the goal's heading.
+    LastTurn,
+}
+
+impl Interval {
+    /// All three, in the order in which they run.
+    pub const ALL: [Self; 3] = [Self::FirstTurn, Self::Drive, Self::LastTurn];
+
+    /// The one that runs next, if any.
+    pub fn next(self) -> Option<Self> {
+        match self {
+            Self::FirstTurn => Some(Self::Drive),
+            Self::Drive => Some(Self::LastTurn),
+            Self::LastTurn => None,
+        }
+    }
+}
+
+/// One straight piece of a mission, in absolute terms: sent twice, it moves the robot once.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Leg {
+    /// The plan that it belongs to.
+    pub plan: u32,
+    /// Its place in the plan, from 0.
+    pub index: u16,
+    /// Where the plan expects it to begin.
+    pub start: Pose,
+    /// Where it ends.
+    pub goal: Position,
+    /// The heading at its end; `None` arrives along the drive and leaves the last turn empty.
+    pub goal_heading: Option<Radians>,
+    /// Which end of the robot goes first.
+    pub direction: Direction,
+    /// How long it takes.
+    pub timing: Timing,
+}
+
+impl Pose {
+    /// The pose at (`x`, `y`) metres with `heading` radians.
+    pub const fn new(x: f32, y: f32, heading: f32) -> Self {
+        Self { x: Metres(x), y: Metres(y), heading: Radians(heading) }
+    }
+
+    /// The straight distance to `goal`.
+    pub fn distance(self, goal: Position) -> Metres {
+        Metres(libm::hypotf(goal.x.0 - self.x.0, goal.y.0 - self.y.0))
+    }
+
+    /// Whether every number is finite and no farther out than [`FARTHEST`].
+    pub fn is_sane(self) -> bool {
+        Position { x: self.x, y: self.y }.is_sane() && self.heading.0.is_finite()
+    }
+}
+
+impl Position {
+    /// The position at (`x`, `y`) metres.
+    pub const fn new(x: f32, y: f32) -> Self {
+        Self { x: Metres(x), y: Metres(y) }
+    }
+
+    /// Whether both coordinates are finite and no farther out than [`FARTHEST`].
+    pub fn is_sane(self) -> bool {
+        // NaN fails both comparisons.
+        self.x.0.abs() <= FARTHEST.0 && self.y.0.abs() <= FARTHEST.0
+    }
+}
+
+/// The greatest coordinate that a leg may name: f32 then still resolves 8 µm.
+pub const FARTHEST: Metres = Metres(100.0);
