@@ -1,1 +1,11 @@
 //! A base that exists only in software: motors, wheels, encoders, wires and virtual time.
+//!
+//! ```text
+//! serial port, TCP, in process ─► simulation ─► brain (logic, or the flashed ELF) ─► base ─► world
+//! ```
+//! It knows boxes, not scenes, and nothing of planning. Kinematics here are its own.
+
+pub mod base;
+pub mod in_process;
+pub mod simulation;
+pub mod world;
