@@ -12,6 +12,8 @@
 
 pub mod geometry;
 pub mod grid;
+pub mod legs;
+pub mod link;
 pub mod picture;
 pub mod plan;
 pub mod scene;

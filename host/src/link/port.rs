@@ -1,0 +1,210 @@
+//! Serial ports and sockets that a robot may be behind, and errors that say what to do.
+//!
+//! Nothing is ever written to a device that was not named, or that does not say over USB that it is
+//! a robot of ours.
+
+use serialport::{SerialPort, SerialPortInfo, SerialPortType};
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::path::Path;
+use std::time::Duration;
+
+/// The product name that the robot gives over USB.
+pub const USB_PRODUCT: &str = "wmr base";
+
+/// Why no port was opened.
+#[derive(Debug, thiserror::Error)]
+pub enum PortError {
+    /// Nothing of that name.
+    #[error("there is no port {name}")]
+    Missing {
+        /// What was asked for.
+        name: String,
+    },
+    /// Another program has it.
+    #[error("{name} is open in another program")]
+    Busy {
+        /// What was asked for.
+        name: String,
+    },
+    /// The user may not open it.
+    #[error("{name} may not be opened by this user")]
+    Denied {
+        /// What was asked for.
+        name: String,
+    },
+    /// No robot, or more than one, on USB.
+    #[error("{found} robots found on USB ({looked_at} serial ports looked at)")]
+    NotOne {
+        /// Robots found.
+        found: usize,
+        /// Ports looked at.
+        looked_at: usize,
+    },
+    /// Something else.
+    #[error("{name} cannot be opened: {cause}")]
+    Other {
+        /// What was asked for.
+        name: String,
+        /// What the system says.
+        cause: String,
+    },
+}
+
+/// The speed of the robot's UART; USB and pseudo-terminals ignore it.
+const BAUD: u32 = 115_200;
+/// A read waits this long for a first byte.
+const READ_TIMEOUT: Duration = Duration::from_millis(1);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
+const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// An open way to a robot.
+#[derive(Debug)]
+pub enum Wire {
+    /// A serial port, real or pseudo.
+    Serial(Box<dyn SerialPort>),
+    /// A socket.
+    Tcp(TcpStream),
+}
+
+/// Opens `auto`, `tcp://HOST:PORT` or the name of a serial device.
+///
+/// # Errors
+/// [`PortError`] with the reason.
+pub fn open(name: &str) -> Result<Wire, PortError> {
+    match name.strip_prefix("tcp://") {
+        Some(address) => open_tcp(address).map(Wire::Tcp).map_err(|error| explain(name, &error)),
+        None if name == "auto" => {
+            open_serial(&only_robot(&robots(&list()?), list()?.len())?).map(Wire::Serial)
+        }
+        None => open_serial(name).map(Wire::Serial),
+    }
+}
+
+/// All serial ports of this computer.
+///
+/// # Errors
+/// [`PortError::Other`] if the system does not tell.
+pub fn list() -> Result<Vec<SerialPortInfo>, PortError> {
+    serialport::available_ports().map_err(|error| PortError::Other {
+        name: "the list of ports".into(),
+        cause: error.to_string(),
+    })
+}
+
+/// Whether a port says over USB that it is a robot of ours.
+pub fn is_robot(port: &SerialPortInfo) -> bool {
+    matches!(&port.port_type, SerialPortType::UsbPort(usb)
+        if usb.product.as_deref().is_some_and(|product| product.replace('_', " ") == USB_PRODUCT))
+}
+
+fn robots(ports: &[SerialPortInfo]) -> Vec<String> {
+    ports.iter().filter(|port| is_robot(port)).map(|port| port.port_name.clone()).collect()
+}
+
+fn only_robot(robots: &[String], looked_at: usize) -> Result<String, PortError> {
+    match robots {
+        [only] => Ok(only.clone()),
+        _ => Err(PortError::NotOne { found: robots.len(), looked_at }),
+    }
+}
+
+fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, PortError> {
+    serialport::new(name, BAUD).timeout(READ_TIMEOUT).open().map_err(|error| {
+        let name = name.to_owned();
+        match error.kind() {
+            // The crate says NoDevice both for a missing device and for one that is locked.
+            serialport::ErrorKind::NoDevice if Path::new(&name).exists() => {
+                PortError::Busy { name }
+            }
+            serialport::ErrorKind::NoDevice => PortError::Missing { name },
+            serialport::ErrorKind::Io(kind) => {
+                explain(&name, &io::Error::new(kind, error.description))
+            }
+            _ => PortError::Other { name, cause: error.description },
+        }
+    })
+}
+
+fn open_tcp(address: &str) -> io::Result<TcpStream> {
+    let mut last = io::Error::from(ErrorKind::NotFound);
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
+            Ok(stream) => {
+                stream.set_nodelay(true)?;
+                stream.set_read_timeout(Some(READ_TIMEOUT))?;
+                stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
+                return Ok(stream);
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn explain(name: &str, error: &io::Error) -> PortError {
+    let name = name.to_owned();
+    match error.kind() {
+        ErrorKind::NotFound | ErrorKind::ConnectionRefused => PortError::Missing { name },
+        ErrorKind::PermissionDenied => PortError::Denied { name },
+        ErrorKind::ResourceBusy => PortError::Busy { name },
+        _ => PortError::Other { name, cause: error.to_string() },
+    }
+}
+
+impl Read for Wire {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Serial(port) => port.read(buffer),
+            // A socket says "closed" by reading nothing; for a port that is an error.
+            Self::Tcp(stream) => match stream.read(buffer)? {
+                0 => Err(ErrorKind::ConnectionAborted.into()),
+                length => Ok(length),
+            },
+        }
+    }
+}
+
+impl Write for Wire {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Serial(port) => port.write(buffer),
+            Self::Tcp(stream) => stream.write(buffer),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Serial(port) => port.flush(),
+            Self::Tcp(stream) => stream.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_that_is_not_there_is_missing() {
+        assert!(matches!(open("/dev/no-such-port"), Err(PortError::Missing { .. })));
+    }
+
+    #[test]
+    fn a_file_that_is_no_terminal_is_not_opened() {
+        assert!(open("/dev/null").is_err());
+    }
+
+    #[test]
+    fn only_one_robot_is_chosen_by_itself() {
+        assert!(only_robot(&["a".into()], 3).is_ok());
+        assert!(matches!(only_robot(&[], 1), Err(PortError::NotOne { found: 0, looked_at: 1 })));
+        assert!(only_robot(&["a".into(), "b".into()], 2).is_err());
+    }
+
+    #[test]
+    fn nobody_listening_is_a_missing_port() {
+        let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        assert!(matches!(open(&format!("tcp://{free}")), Err(PortError::Missing { .. })));
+    }
+}
