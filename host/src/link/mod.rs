@@ -103,6 +103,11 @@ impl<P: Read + Write> LinkClient<P> {
         &mut self.port
     }
 
+    /// The port, given back.
+    pub fn into_port(self) -> P {
+        self.port
+    }
+
     /// Who answered, once somebody has.
     pub fn robot(&self) -> Option<&RobotHello> {
         self.robot.as_ref()
