@@ -7,5 +7,9 @@
 
 pub mod base;
 pub mod in_process;
+#[cfg(unix)]
+pub mod pty;
+pub mod realtime;
 pub mod simulation;
+pub mod tcp;
 pub mod world;

@@ -1,0 +1,101 @@
+//! A socket in place of a serial cable, for every system and across a network: one client at a time.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
+
+/// The robot's end of a socket.
+#[derive(Debug)]
+pub struct TcpPort {
+    listener: TcpListener,
+    client: Option<TcpStream>,
+}
+
+impl TcpPort {
+    /// Waits for clients at `address`.
+    ///
+    /// # Errors
+    /// What the system says, for instance `AddrInUse`.
+    pub fn listen(address: impl ToSocketAddrs) -> io::Result<Self> {
+        let listener = TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        Ok(Self { listener, client: None })
+    }
+
+    /// Where clients find it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn address(&self) -> io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
+    fn client(&mut self) -> io::Result<&mut TcpStream> {
+        if self.client.is_none() {
+            let (client, _) = self.listener.accept()?;
+            client.set_nonblocking(true)?;
+            client.set_nodelay(true)?;
+            self.client = Some(client);
+        }
+        self.client.as_mut().ok_or_else(|| ErrorKind::WouldBlock.into())
+    }
+
+    /// A client that is gone makes room for the next.
+    fn part<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        match result {
+            Err(error) if error.kind() != ErrorKind::WouldBlock => {
+                self.client = None;
+                Err(ErrorKind::WouldBlock.into())
+            }
+            other => other,
+        }
+    }
+}
+
+impl Read for TcpPort {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let result = self.client()?.read(buffer);
+        let result = result
+            .and_then(|n| if n == 0 { Err(ErrorKind::ConnectionReset.into()) } else { Ok(n) });
+        self.part(result)
+    }
+}
+
+impl Write for TcpPort {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        let result = self.client()?.write(buffer);
+        self.part(result)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patiently<T>(mut attempt: impl FnMut() -> io::Result<T>) -> T {
+        loop {
+            match attempt() {
+                Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::yield_now(),
+                result => return result.unwrap(),
+            }
+        }
+    }
+
+    #[test]
+    fn one_client_after_the_other() {
+        let mut port = TcpPort::listen("127.0.0.1:0").unwrap();
+        for byte in [1, 2] {
+            let mut client = TcpStream::connect(port.address().unwrap()).unwrap();
+            client.write_all(&[byte]).unwrap();
+            let mut received = [0];
+            patiently(|| port.read(&mut received));
+            assert_eq!(received, [byte]);
+            patiently(|| port.write(&[byte + 10]));
+            client.read_exact(&mut received).unwrap();
+            assert_eq!(received, [byte + 10]);
+        }
+    }
+}
