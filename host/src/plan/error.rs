@@ -1,0 +1,128 @@
+//! Why there is no plan, with the numbers a person needs to change that.
+
+use crate::geometry::{Arena, Point};
+use crate::grid::GridError;
+use std::fmt;
+
+/// One end of the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Where the robot stands.
+    Start,
+    /// Where it is to go.
+    Goal,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Start => "start",
+            Self::Goal => "goal",
+        })
+    }
+}
+
+/// Why there is no plan. Lengths in metres, arena frame; obstacles by their index in the scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// The arena cannot be prepared for planning.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// An end of the way is no point of the arena.
+    #[error(
+        "the {end} ({}, {}) m lies outside the arena of {} × {} m; choose a point inside",
+        .point.x, .point.y, .arena.width, .arena.height
+    )]
+    Outside {
+        /// Which end.
+        end: End,
+        /// Where it is.
+        point: Point,
+        /// The floor's size.
+        arena: Arena,
+    },
+    /// The robot cannot stand at an end of the way: it would touch an obstacle or the border.
+    #[error("{}", blocked_text(.end, .point, .by, .nearest))]
+    Blocked {
+        /// Which end.
+        end: End,
+        /// Where it is.
+        point: Point,
+        /// What the robot would touch.
+        by: Blocker,
+        /// The nearest point where the robot can stand, if there is any.
+        nearest: Option<Point>,
+    },
+    /// No way leads from start to goal.
+    #[error(
+        "no way leads from the start to the goal; move an obstacle, or try a smaller radius or margin"
+    )]
+    NoPath,
+    /// The independent test refused the path that the planner found.
+    #[error("the path found fails the safety test between ({}, {}) and ({}, {}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
+    Unsafe {
+        /// Where the refused leg begins.
+        from: Point,
+        /// Where it ends.
+        to: Point,
+    },
+}
+
+/// What keeps the robot from standing somewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Blocker {
+    /// An obstacle grown by radius and margin.
+    Obstacle {
+        /// Its index in the scene.
+        index: usize,
+        /// How deep inside, along x and y, metres.
+        depth: [f64; 2],
+    },
+    /// The arena's border.
+    Border {
+        /// By how much the point is too near, metres.
+        depth: f64,
+    },
+    /// Two obstacles, or an obstacle and the border, that leave no gap at this point.
+    Gap,
+}
+
+impl PlanError {
+    /// A short name of the kind of error, for programs.
+    ///
+    /// ```
+    /// assert_eq!(host::plan::PlanError::NoPath.code(), "no_path");
+    /// ```
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Grid(GridError::TooManyAreas { .. }) => "too_many_areas",
+            Self::Grid(_) => "bad_arena",
+            Self::Outside { end: End::Start, .. } => "start_outside",
+            Self::Outside { end: End::Goal, .. } => "goal_outside",
+            Self::Blocked { end: End::Start, .. } => "start_blocked",
+            Self::Blocked { end: End::Goal, .. } => "goal_blocked",
+            Self::NoPath => "no_path",
+            Self::Unsafe { .. } => "unsafe_path",
+        }
+    }
+}
+
+fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>) -> String {
+    let why = match by {
+        Blocker::Obstacle { index, depth: [x, y] } => format!(
+            "lies {:.1} by {:.1} cm inside obstacle {} grown by the robot's radius and margin",
+            x * 100.0,
+            y * 100.0,
+            index + 1
+        ),
+        Blocker::Border { depth } => {
+            format!("is {:.1} cm too near to the arena's border for the robot", depth * 100.0)
+        }
+        Blocker::Gap => "lies in a gap that leaves the robot no room".to_owned(),
+    };
+    let next = match nearest {
+        Some(free) => format!("the nearest free point is ({:.4}, {:.4})", free.x, free.y),
+        None => "no point of the arena is free".to_owned(),
+    };
+    format!("the {end} ({}, {}) m {why}; {next}", point.x, point.y)
+}

@@ -1,0 +1,126 @@
+//! The paper's experiment, and the grid method on arenas that nobody drew for it.
+
+use super::*;
+use crate::geometry::Rect;
+use proptest::prelude::*;
+
+/// The experiment of the paper as reconstructed in `assets/paper.json` [Alghannam, Sec. V].
+fn paper(planner: Planner) -> Plan {
+    let scene = Scene::from_json(include_str!("../../assets/paper.json")).unwrap();
+    let (start, goal) = (scene.start.unwrap().position, scene.goal.unwrap().position);
+    plan(&scene, start, goal, &PlanOptions { planner, ..Default::default() }).unwrap()
+}
+
+#[test]
+fn the_paper_s_mini_matrix_is_7_by_5_with_start_48_and_goal_13() {
+    let stages = paper(Planner::Grid).grid.unwrap();
+    // 9 × 7 with the dead ring along the border.
+    assert_eq!(
+        stages.matrix.elements(),
+        [
+            [0, 0, 0, 0, 0, 0, 0],
+            [0, 1, 1, 1, 1, 2, 0],
+            [0, 1, 1, 1, 0, 1, 0],
+            [0, 1, 1, 1, 0, 0, 0],
+            [0, 0, 1, 1, 0, 0, 0],
+            [0, 0, 1, 1, 0, 1, 0],
+            [0, 0, 1, 1, 1, 2, 0],
+            [0, 0, 0, 1, 1, 1, 0],
+            [0, 0, 0, 0, 0, 0, 0],
+        ]
+    );
+    let terminals: Vec<usize> = stages
+        .matrix
+        .areas()
+        .filter(|&area| stages.matrix.kind(area) == crate::grid::AreaKind::Terminal)
+        .map(Area::number)
+        .collect();
+    assert_eq!(terminals, [13, 48]);
+}
+
+#[test]
+fn exactly_areas_20_and_41_of_the_paper_are_traps_with_six_zeros_each() {
+    let stages = paper(Planner::Grid).grid.unwrap();
+    let numbers: Vec<usize> = stages.traps.iter().map(|area| area.number()).collect();
+    assert_eq!(numbers, [20, 41]);
+    for &trap in &stages.traps {
+        let around = stages.matrix.around(trap);
+        let zeros = around.iter().flatten().filter(|next| !stages.matrix.is_live(**next));
+        assert_eq!(zeros.count(), 6);
+    }
+}
+
+#[test]
+fn the_paper_s_best_path_has_three_legs() {
+    for planner in [Planner::Grid, Planner::Tree] {
+        let plan = paper(planner);
+        let corners = [(1.4, 0.35), (0.875, 0.475), (0.875, 1.525), (1.4, 1.75)];
+        assert_eq!(plan.waypoints, corners.map(|(x, y)| Point::new(x, y)));
+        assert!((plan.length - 2.160_859).abs() < 1e-6);
+        assert!((plan.clearance - 0.075).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_paper_s_tree_is_drawn_whole() {
+    let tree = paper(Planner::Tree).grid.unwrap().tree.unwrap();
+    assert_eq!((tree.nodes.len(), tree.arrivals.len(), tree.cut), (665, 98, 0));
+}
+
+#[test]
+fn start_and_goal_in_one_area_are_joined_by_a_straight_line() {
+    let scene = Scene::new(1.0, 1.0);
+    let ends = [Point::new(0.2, 0.3), Point::new(0.812_345_6, 0.7)];
+    let plan = plan(&scene, ends[0], ends[1], &PlanOptions::default()).unwrap();
+    assert_eq!(plan.waypoints, ends);
+    let same = super::plan(&scene, ends[0], ends[0], &PlanOptions::default()).unwrap();
+    assert_eq!((same.length, same.waypoints.len()), (0.0, 2));
+}
+
+#[test]
+fn a_walled_goal_is_an_error() {
+    let mut scene = Scene::new(1.0, 1.0);
+    scene.obstacles.push(Rect::new(0.45, 0.0, 0.55, 1.0));
+    let error = plan(&scene, Point::new(0.1, 0.1), Point::new(0.9, 0.9), &PlanOptions::default());
+    assert_eq!(error.unwrap_err().code(), "no_path");
+}
+
+/// Boxes in steps of 5 cm in an arena of 2 × 2 m, so that touching and flush edges abound.
+fn coarse_scene() -> impl Strategy<Value = Scene> {
+    let side = (0..38_i32, 1..10_i32);
+    proptest::collection::vec((side.clone(), side), 0..9).prop_map(|boxes| {
+        let mut scene = Scene::new(2.0, 2.0);
+        scene.robot_radius = 0.05;
+        let metres = |steps: i32| f64::from(steps) / 20.0;
+        scene.obstacles = boxes
+            .iter()
+            .map(|&((x, w), (y, h))| Rect::new(metres(x), metres(y), metres(x + w), metres(y + h)))
+            .collect();
+        scene
+    })
+}
+
+proptest! {
+    #[test]
+    fn paths_of_the_paper_s_planners_never_come_nearer_than_the_radius(
+        scene in coarse_scene(),
+        ends in proptest::array::uniform4(0.06..1.94_f64),
+    ) {
+        let (start, goal) = (Point::new(ends[0], ends[1]), Point::new(ends[2], ends[3]));
+        let mut lengths = Vec::new();
+        for planner in [Planner::Grid, Planner::Tree] {
+            match plan(&scene, start, goal, &PlanOptions { planner, ..Default::default() }) {
+                Ok(plan) => {
+                    // Half a unit is what an end may move on the lattice.
+                    prop_assert!(plan.clearance >= 0.05 - 0.75e-4, "{}", plan.clearance);
+                    lengths.push(plan.length);
+                }
+                Err(error) => prop_assert!(!matches!(error, PlanError::Unsafe { .. }), "{error}"),
+            }
+        }
+        prop_assert!(lengths.len() != 1, "one planner finds a way, the other none");
+        if let [grid, tree] = lengths[..] {
+            prop_assert!(tree <= grid * (1.0 + 1e-9), "tree {tree} m, grid {grid} m");
+        }
+    }
+}
