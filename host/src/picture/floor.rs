@@ -1,0 +1,82 @@
+//! The arena seen from above as the ground of a picture: metres in, pixels out, y turned down.
+
+use super::svg::{Svg, Swatch, TITLE_HEIGHT};
+use crate::geometry::{Arena, Point, Rect};
+use crate::grid::{LatticePoint, LatticeRect};
+use crate::scene::Scene;
+
+/// The longer side of the floor in a picture, pixels.
+const FLOOR_SIZE: f64 = 760.0;
+
+const PAD: f64 = 18.0;
+
+/// The least width of a picture, so that title and legend have room, pixels.
+const LEAST_WIDTH: f64 = 640.0;
+
+/// A picture of the floor in the making.
+#[derive(Clone, Debug)]
+pub(super) struct Floor {
+    pub(super) svg: Svg,
+    arena: Arena,
+    scale: f64,
+    left: f64,
+}
+
+impl Floor {
+    pub(super) fn new(arena: Arena, title: &str, subtitle: &str) -> Self {
+        let scale = FLOOR_SIZE / arena.width.max(arena.height);
+        let width = (arena.width * scale + 2.0 * PAD).max(LEAST_WIDTH);
+        let svg = Svg::new(width, arena.height * scale + 2.0 * PAD, title, subtitle);
+        let mut floor = Self { svg, arena, scale, left: (width - arena.width * scale) / 2.0 };
+        floor.rect(Rect::new(0.0, 0.0, arena.width, arena.height), "floor");
+        floor
+    }
+
+    /// The true obstacles, cut off at the arena's border.
+    pub(super) fn obstacles(&mut self, scene: &Scene) {
+        for rect in &scene.obstacles {
+            self.rect(*rect, "obstacle");
+        }
+    }
+
+    pub(super) fn rect(&mut self, rect: Rect, class: &str) {
+        let (width, height) = (self.arena.width, self.arena.height);
+        let (x0, x1) = (rect.x0.clamp(0.0, width), rect.x1.clamp(0.0, width));
+        let (y0, y1) = (rect.y0.clamp(0.0, height), rect.y1.clamp(0.0, height));
+        let size = ((x1 - x0) * self.scale, (y1 - y0) * self.scale);
+        let corner = self.pixel(Point::new(x0, y1));
+        self.svg.rect(corner, size, class);
+    }
+
+    pub(super) fn polyline(&mut self, points: &[Point], class: &str) {
+        let pixels: Vec<(f64, f64)> = points.iter().map(|&point| self.pixel(point)).collect();
+        self.svg.polyline(&pixels, class);
+    }
+
+    pub(super) fn dot(&mut self, point: Point, radius: f64, class: &str) {
+        let pixel = self.pixel(point);
+        self.svg.circle(pixel, radius, class);
+    }
+
+    pub(super) fn pixel(&self, point: Point) -> (f64, f64) {
+        let x = self.left + point.x * self.scale;
+        (x, TITLE_HEIGHT + PAD + (self.arena.height - point.y) * self.scale)
+    }
+
+    /// Start and goal as dots.
+    pub(super) fn ends(&mut self, start: Point, goal: Point) {
+        self.dot(start, 9.0, "start");
+        self.dot(goal, 9.0, "goal");
+    }
+
+    pub(super) fn finish(self, legend: &[(Swatch, &str)]) -> String {
+        self.svg.finish(legend)
+    }
+}
+
+/// A lattice rectangle in metres.
+pub(super) fn metres(rect: LatticeRect) -> Rect {
+    let low = LatticePoint::new(rect.x0, rect.y0).to_metres();
+    let high = LatticePoint::new(rect.x1, rect.y1).to_metres();
+    Rect::new(low.x, low.y, high.x, high.y)
+}
