@@ -1,1 +1,45 @@
 //! Finds the arena, the obstacles and the robot in an overhead picture [Alghannam, Sec. II].
+//!
+//! ```text
+//! bytes ─► photo ─► lines ─► quads ─► border ─► plan map ─► look (floor model) ─► robot
+//!                                                              │
+//!                                            rectangles ◄──────┴─► paper steps (edges … borders)
+//!                                                │
+//!                                             sharpen ─► Detection: metres, with margins
+//! ```
+//! [`detect`] is the whole flow; each of the paper's steps is a function of its own
+//! ([`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],
+//! [`detect_obstacles`], [`enlarge`], [`obstacle_borders`]), usable alone. Pixels never leave this module
+//! but as `corners_px`; everything else is metres and radians in the arena frame.
+
+mod align;
+mod arena;
+mod border;
+mod detect;
+mod edges;
+mod error;
+mod floor;
+mod lines;
+mod look;
+mod mask;
+mod paper;
+mod photo;
+mod plan_map;
+mod plan_view;
+mod profile;
+mod quads;
+mod raster;
+mod rectangles;
+mod robot;
+mod sharpen;
+
+pub use detect::{DetectOptions, Detection, Method, Steps, detect};
+pub use edges::{average_filter, edge_magnitude, histogram_mean, invert, threshold};
+pub use error::VisionError;
+pub use mask::{ObstacleMask, Segment, enlarge, obstacle_borders, segments};
+pub use paper::{PaperSteps, brightness, detect_obstacles, paper_steps};
+pub use photo::{MAX_PIXELS, Photo, decode, srgb_code};
+pub use plan_map::{PlanMap, homography};
+pub use plan_view::{PlanFrame, plan_view};
+pub use raster::Raster;
+pub use rectangles::{CellRect, rectangles};

@@ -1,0 +1,92 @@
+//! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal.
+
+use super::border::{self, Border};
+use super::error::VisionError;
+use super::lines::EdgeMap;
+use super::photo::Photo;
+use super::quads;
+use crate::geometry::Arena;
+
+/// Lines are sought in a picture reduced to about this width.
+const SEARCH_SIDE: usize = 700;
+/// Edges step by at least this many brightness codes.
+const LEAST_CONTRAST: f64 = 8.0;
+/// The 99th percentile of brightness is at least this.
+const LEAST_LIGHT: u8 = 25;
+/// The share of the border's profiles that must show it.
+const LEAST_SCORE: f64 = 0.5;
+/// How much support in a candidate's edges counts beside the share of its profiles.
+const SUPPORT_WEIGHT: f64 = 0.5;
+
+/// Finds the arena's border.
+///
+/// # Errors
+/// [`VisionError::Dark`], [`VisionError::NoContrast`], [`VisionError::NoBorder`] or
+/// [`VisionError::OutOfView`], with what was measured.
+pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
+    let factor = photo.width().max(photo.height()).div_ceil(SEARCH_SIDE).max(1);
+    let small = photo.reduced(factor);
+    check_light(&small)?;
+    let edges = EdgeMap::of(&small);
+    if edges.contrast < LEAST_CONTRAST {
+        return Err(VisionError::NoContrast { measured: edges.contrast, needed: LEAST_CONTRAST });
+    }
+    let full =
+        |[x, y]: [f64; 2]| [(x + 0.5) * factor as f64 - 0.5, (y + 0.5) * factor as f64 - 0.5];
+    let candidates = quads::candidates(&edges, (small.width(), small.height()), arena);
+    let borders = candidates.iter().filter_map(|quad| {
+        let border = border::find(photo, arena, quad.corners.map(full))?;
+        Some((border.score + SUPPORT_WEIGHT * quad.support, border))
+    });
+    let best = borders.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, border)| border);
+    let measured = best.as_ref().map_or(0.0, |border| border.score);
+    match best.filter(|border| border.score >= LEAST_SCORE) {
+        Some(border) => in_view(photo, arena, border),
+        None => Err(VisionError::NoBorder { arena, measured, needed: LEAST_SCORE }),
+    }
+}
+
+fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, VisionError> {
+    let corners = border.map.seen_corners(arena);
+    match corners.iter().position(|&pixel| !photo.holds(pixel)) {
+        Some(corner) => Err(VisionError::OutOfView { corner, pixel: corners[corner] }),
+        None => Ok(border),
+    }
+}
+
+fn check_light(photo: &Photo) -> Result<(), VisionError> {
+    let mut counts = [0usize; 256];
+    for pixel in photo.pixels() {
+        counts[usize::from(pixel[0].max(pixel[1]).max(pixel[2]))] += 1;
+    }
+    let mut brighter = photo.pixels().len() / 100;
+    let code = (0..=255u8).rev().find(|&code| {
+        let count = counts[usize::from(code)];
+        let found = count > brighter;
+        brighter = brighter.saturating_sub(count);
+        found
+    });
+    let measured = code.unwrap_or(0);
+    if measured < LEAST_LIGHT {
+        Err(VisionError::Dark { measured, needed: LEAST_LIGHT })
+    } else {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARENA: Arena = Arena { width: 1.5, height: 1.0 };
+
+    #[test]
+    fn black_grey_and_borderless_pictures_are_refused_for_their_reason() {
+        let even = |code| Photo::from_rgb(160, 120, vec![[code; 3]; 160 * 120]).unwrap();
+        assert!(matches!(find(&even(3), ARENA), Err(VisionError::Dark { measured: 3, .. })));
+        assert!(matches!(find(&even(128), ARENA), Err(VisionError::NoContrast { .. })));
+        let halves = (0..160 * 120).map(|i| if i % 160 < 80 { [200; 3] } else { [40; 3] });
+        let halves = Photo::from_rgb(160, 120, halves.collect()).unwrap();
+        assert!(matches!(find(&halves, ARENA), Err(VisionError::NoBorder { .. })));
+    }
+}

@@ -1,0 +1,228 @@
+//! Which of the nested edges around the arena is its border: the one where the floor ends.
+//!
+//! From a candidate quadrilateral the floor's colour is learnt inside. On each side the place is
+//! taken where, coming from inside, the colour stops being floor or shadow; its step is then fitted
+//! to a fraction of a pixel. The share of profiles that show that step, with floor inside and
+//! something else outside, is the candidate's score.
+
+use super::align::{self, Fit, PLACES, Search, side_point};
+use super::floor::{FloorModel, feature};
+use super::photo::Photo;
+use super::plan_map::PlanMap;
+use super::plan_view::{PlanFrame, plan_view};
+use crate::geometry::{Arena, Point};
+
+/// Cells along the arena's longer side from which the floor's colour is learnt.
+const FLOOR_CELLS: f64 = 160.0;
+/// How far inside and outside of the candidate's sides the floor's end is sought, share of the shorter side.
+const SEARCH_SHARE: f64 = 0.1;
+/// A colour this many standard deviations off is not floor.
+const FOREIGN: f32 = 6.0;
+/// At the floor's end the share of foreign colour rises by at least this.
+const LEAST_RISE: f64 = 0.3;
+/// The distance of samples across a side, pixels.
+const SAMPLE_STEP: f64 = 0.5;
+/// Shrinking reaches of the search for steps, pixels at a width of 640.
+const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
+const FINE_REACH: [f64; 3] = [4.0, 2.5, 2.0];
+/// Radial coefficients of lenses that pictures of arenas are taken with.
+const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.08;
+/// The lens is accepted if it brings the residual below this share of that without.
+const LENS_GAIN: f64 = 0.93;
+
+/// A border that was found.
+#[derive(Clone, Debug)]
+pub(crate) struct Border {
+    /// The map from floor to photo.
+    pub(crate) map: PlanMap,
+    /// The share of profiles that show the border, 0 to 1: the mean over the sides.
+    pub(crate) score: f64,
+    /// The root mean square distance of the border's steps from the map, pixels.
+    pub(crate) residual: f64,
+}
+
+/// Looks for the border from a candidate's corners; `None` if the floor does not end there.
+pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
+    let zoom = (photo.width() as f64 / 640.0).max(1.0);
+    let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
+    let rough = refine(photo, arena, &straight, &ROUGH_REACH.map(|reach| reach * zoom), None)?;
+    let sides = Sides::measure(photo, &rough.map, arena)?;
+    let ends = sides.ends()?;
+    let moved = moved(photo, arena, &rough.map, ends)?;
+    let fine = refine(
+        photo,
+        arena,
+        &moved,
+        &FINE_REACH.map(|reach| reach * zoom),
+        Some(sides.changes(ends)),
+    )?;
+    let score = fine.shares.iter().sum::<f64>() / 4.0;
+    Some(Border { map: fine.map, score, residual: fine.residual })
+}
+
+/// The map whose sides lie where `map` has the distances `inward` from its sides, metres.
+fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: [f64; 4]) -> Option<PlanMap> {
+    let [lower, right, upper, left] = inward;
+    let (right, upper) = (arena.width - right, arena.height - upper);
+    let corners = [(left, lower), (right, lower), (right, upper), (left, upper)];
+    PlanMap::from_seen_corners(
+        photo,
+        arena,
+        corners.map(|(x, y)| map.to_photo(Point::new(x, y))),
+        map.radial(),
+    )
+}
+
+/// Fits the map to the steps found within shrinking reaches, with the lens if that fits better.
+///
+/// `change` is the light's change from inside to outside on each side, if it is known.
+fn refine(
+    photo: &Photo,
+    arena: Arena,
+    start: &PlanMap,
+    reaches: &[f64],
+    change: Option<[[f32; 3]; 4]>,
+) -> Option<Fit> {
+    let mut best: Option<Fit> = None;
+    for lens in [false, true] {
+        let mut map = start.clone();
+        let mut last = None;
+        for &reach in reaches {
+            let steps = align::steps(photo, &map, arena, &Search { reach, change });
+            let fit = align::fit(photo, arena, &map, &steps, reach, lens)
+                .filter(|fit| near(start, &fit.map, arena, reaches));
+            let Some(fit) = fit else {
+                last = None;
+                break;
+            };
+            map = fit.map.clone();
+            last = Some(fit);
+        }
+        let Some(fit) = last else { continue };
+        let better = best.as_ref().is_none_or(|best| {
+            let gain = |fit: &Fit| fit.residual / fit.shares.iter().sum::<f64>().max(1e-6);
+            gain(&fit) < LENS_GAIN * gain(best)
+        });
+        if better {
+            best = Some(fit);
+        }
+    }
+    best
+}
+
+/// Whether a fitted map is still the candidate's: its corners lie where steps were sought, its lens is one.
+fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> bool {
+    let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
+    let corners = start.seen_corners(arena).into_iter().zip(fitted.seen_corners(arena));
+    let close = |(a, b): ([f64; 2], [f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < most;
+    corners.into_iter().all(close) && RADIAL_RANGE.contains(&fitted.radial())
+}
+
+/// What is seen across the four sides.
+struct Sides {
+    /// Metres inward of the samples, from inside to outside.
+    inward: Vec<f64>,
+    /// For each side and sample: the share of places that are not floor.
+    foreign: [Vec<f64>; 4],
+    /// For each side and sample: the median light.
+    light: [Vec<[f32; 3]>; 4],
+}
+
+impl Sides {
+    fn measure(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
+        let floor = learn_floor(photo, map, arena)?;
+        let scale = map.scale_at(side_point(arena, 0, 0.5, arena.height / 2.0)).max(1.0);
+        let reach = SEARCH_SHARE * arena.width.min(arena.height);
+        let count = (2.0 * reach * scale / SAMPLE_STEP) as usize + 1;
+        let inward: Vec<f64> = (0..count).map(|i| reach - i as f64 * SAMPLE_STEP / scale).collect();
+        let mut sides = Self { inward, foreign: Default::default(), light: Default::default() };
+        for side in 0..4 {
+            for &depth in &sides.inward {
+                let mut foreign = 0;
+                let mut lights: [Vec<f32>; 3] = Default::default();
+                for place in 0..PLACES / 2 {
+                    let point = side_point(arena, side, align::along(2 * place), depth);
+                    let light = photo.light(map.to_photo(point));
+                    foreign += usize::from(floor.difference(point, feature(light)).floor > FOREIGN);
+                    lights.iter_mut().zip(light).for_each(|(list, value)| list.push(value));
+                }
+                sides.foreign[side].push(foreign as f64 / (PLACES / 2) as f64);
+                sides.light[side].push(lights.map(|mut list| super::floor::median(&mut list)));
+            }
+        }
+        Some(sides)
+    }
+
+    /// Where the floor ends on each side, metres inward of the map's sides.
+    fn ends(&self) -> Option<[f64; 4]> {
+        let mut ends = [0.0; 4];
+        for (end, foreign) in ends.iter_mut().zip(&self.foreign) {
+            let inside = &foreign[..foreign.len() / 3];
+            let base = inside.iter().sum::<f64>() / inside.len().max(1) as f64;
+            let most = foreign.iter().copied().fold(base, f64::max);
+            if most < base + LEAST_RISE {
+                return None;
+            }
+            let level = base + 0.6 * (most - base);
+            let lasting = 3;
+            let index = foreign
+                .windows(lasting)
+                .position(|window| window.iter().all(|&share| share > level))?;
+            *end = self.inward[index];
+        }
+        Some(ends)
+    }
+
+    /// The change of light across the floor's end on each side.
+    fn changes(&self, ends: [f64; 4]) -> [[f32; 3]; 4] {
+        [0, 1, 2, 3].map(|side| {
+            let end = self.inward.iter().position(|&depth| depth <= ends[side]).unwrap_or(0);
+            let at = |offset: i64| {
+                let index = (end as i64 + offset).clamp(0, self.inward.len() as i64 - 1) as usize;
+                self.light[side][index]
+            };
+            let (inside, outside) = (at(-5), at(4));
+            [0, 1, 2].map(|channel| outside[channel] - inside[channel])
+        })
+    }
+}
+
+/// The floor's colour inside a candidate.
+fn learn_floor(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<FloorModel> {
+    let frame =
+        PlanFrame { arena, scale: FLOOR_CELLS / arena.width.max(arena.height), margin: 0.0 };
+    let view = plan_view(photo, map, &frame);
+    let width = view.width();
+    let place = |index: usize| frame.point((index % width) as f64, (index / width) as f64);
+    let samples: Vec<_> =
+        view.cells().iter().enumerate().map(|(i, &light)| (place(i), feature(light))).collect();
+    FloorModel::fit(arena, &samples)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn from_a_frames_outer_edge_the_inner_one_is_found() {
+        let pixels = (0..320 * 240).map(|i| {
+            let (x, y) = (i % 320, i / 320);
+            let frame = (40..280).contains(&x) && (30..210).contains(&y);
+            let floor = (50..270).contains(&x) && (40..200).contains(&y);
+            if frame && !floor { [40; 3] } else { [225; 3] }
+        });
+        let photo = Photo::from_rgb(320, 240, pixels.collect()).unwrap();
+        let arena = Arena { width: 2.2, height: 1.6 };
+        let outer = [[39.5, 209.5], [279.5, 209.5], [279.5, 29.5], [39.5, 29.5]];
+        let border = find(&photo, arena, outer).unwrap();
+        assert!(border.score > 0.95 && border.residual < 0.1, "{border:?}");
+        for (found, expected) in border.map.seen_corners(arena).into_iter().zip([
+            [49.5, 199.5],
+            [269.5, 199.5],
+            [269.5, 39.5],
+            [49.5, 39.5],
+        ]) {
+            assert!((found[0] - expected[0]).hypot(found[1] - expected[1]) < 0.2, "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! From a photo to obstacles in metres: the flow of vision in one function.
+
+use super::arena;
+use super::error::VisionError;
+use super::look::Look;
+use super::paper::{PaperSteps, paper_steps};
+use super::photo::Photo;
+use super::plan_map::PlanMap;
+use super::plan_view::{PlanFrame, plan_view};
+use super::raster::Raster;
+use super::rectangles::{CellRect, rectangles};
+use super::robot::{self, RobotTop};
+use super::sharpen::{Bounded, sharpen};
+use crate::geometry::{Arena, Point, Pose, Rect};
+
+/// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
+const PAPER_RADIUS: f64 = 0.075;
+/// Cells per metre of the paper's plan view, and the most cells along a side.
+const PAPER_SCALE: f64 = 300.0;
+const PAPER_CELLS: f64 = 1200.0;
+/// Obstacles are at least this large, metres.
+const LEAST_SIDE: f64 = 0.02;
+/// Cells this close to the border, in cells, are blurred with it.
+const BORDER_BLUR: f64 = 1.5;
+/// How much larger than the robot's top the disc is that is taken out of the mask.
+const ROBOT_RIM: f64 = 1.15;
+
+/// A border that fits worse than this many pixels is worth a warning.
+const ROUGH_BORDER: f64 = 0.8;
+
+/// How obstacles are told from the floor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// By a model of the floor's colour.
+    #[default]
+    Robust,
+    /// By the paper's edges and near-white floor [Alghannam, Sec. II].
+    Paper,
+}
+
+/// What the caller knows and wants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DetectOptions {
+    /// How obstacles are told from the floor.
+    pub method: Method,
+    /// The arena's corners in the photo, pixels: lower left, lower right, upper right, upper left.
+    /// They are sought if not given.
+    pub corners: Option<[[f64; 2]; 4]>,
+    /// The radius of the robot's disc, metres.
+    pub robot_radius: f64,
+    /// Whether the pictures of the steps are kept.
+    pub keep_steps: bool,
+}
+
+impl Default for DetectOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::Robust,
+            corners: None,
+            robot_radius: PAPER_RADIUS,
+            keep_steps: false,
+        }
+    }
+}
+
+/// What was seen in a photo. Metres and radians in the arena frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detection {
+    /// Footprints of the obstacles.
+    pub obstacles: Vec<Rect>,
+    /// For each obstacle how much further out its left, lower, right and upper edge may lie, metres.
+    pub margins: Vec<[f64; 4]>,
+    /// The arena's corners 0..3 in the photo, pixels.
+    pub corners_px: [[f64; 2]; 4],
+    /// The robot, if it is in the picture.
+    pub robot: Option<Pose>,
+    /// How surely the arena was found, 0 to 1.
+    pub confidence: f64,
+    /// What the user should know about this answer.
+    pub warnings: Vec<String>,
+    /// The pictures of the steps, if they were asked for.
+    pub steps: Option<Steps>,
+}
+
+/// The pictures of the steps, in the plan view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// Where the plan view's cells lie.
+    pub frame: PlanFrame,
+    /// The plan view in linear light.
+    pub view: Raster<[f32; 3]>,
+    /// What the paper's steps made of it.
+    pub paper: PaperSteps,
+}
+
+/// Finds the arena, the obstacles and the robot in a photo.
+///
+/// # Errors
+/// A refusal that says what was measured, what is needed and what to do: see [`VisionError`].
+///
+/// ```
+/// use host::geometry::{Arena, Rect};
+/// use host::vision::{DetectOptions, Photo, detect};
+/// // 100 pixels a metre: a dark frame around 2.0 × 1.2 m of floor with one box.
+/// let pixels = (0..240 * 160).map(|i| {
+///     let (x, y) = (i % 240, i / 240);
+///     let floor = (20..220).contains(&x) && (20..140).contains(&y);
+///     let frame = (16..224).contains(&x) && (16..144).contains(&y) && !floor;
+///     let dark = frame || (60..100).contains(&x) && (40..80).contains(&y);
+///     if dark { [30; 3] } else { [230; 3] }
+/// });
+/// let photo = Photo::from_rgb(240, 160, pixels.collect())?;
+/// let seen = detect(&photo, Arena { width: 2.0, height: 1.2 }, &DetectOptions::default())?;
+/// let [Rect { x0, y0, x1, y1 }] = seen.obstacles[..] else { panic!("one box") };
+/// for (found, drawn) in [(x0, 0.4), (y0, 0.6), (x1, 0.8), (y1, 1.0)] {
+///     assert!((found - drawn).abs() < 0.005);
+/// }
+/// # Ok::<(), host::vision::VisionError>(())
+/// ```
+pub fn detect(
+    photo: &Photo,
+    arena: Arena,
+    options: &DetectOptions,
+) -> Result<Detection, VisionError> {
+    check(arena, options.robot_radius)?;
+    let mut warnings = Vec::new();
+    let (map, confidence) = match options.corners {
+        Some(corners) => (given(photo, arena, corners)?, 1.0),
+        None => {
+            let border = arena::find(photo, arena)?;
+            warnings.extend(rough_border(border.residual));
+            (border.map, border.score)
+        }
+    };
+    let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
+    let robot = robot::find(photo, &map, &look, options.robot_radius);
+    let steps = (options.keep_steps || options.method == Method::Paper)
+        .then(|| steps(photo, &map, arena, options.robot_radius));
+    let found = match (&options.method, &steps) {
+        (Method::Paper, Some(steps)) => paper_rectangles(steps, robot),
+        _ => robust_rectangles(photo, &map, &look, robot),
+    };
+    Ok(Detection {
+        obstacles: found.iter().map(|bounded| bounded.rect).collect(),
+        margins: found.iter().map(|bounded| bounded.margin).collect(),
+        corners_px: map.seen_corners(arena),
+        robot: robot.map(|top| Pose { position: top.centre, heading: top.heading }),
+        confidence,
+        warnings,
+        steps: steps.filter(|_| options.keep_steps),
+    })
+}
+
+/// What to say about a border that fits badly.
+fn rough_border(residual: f64) -> Option<String> {
+    let advice = "straighten the tape or give --corners";
+    (residual > ROUGH_BORDER)
+        .then(|| format!("the border fits a rectangle only to {residual:.1} pixels; {advice}"))
+}
+
+fn check(arena: Arena, radius: f64) -> Result<(), VisionError> {
+    let Arena { width, height } = arena;
+    let possible = |length: f64| (0.1..=100.0).contains(&length);
+    if !possible(width) || !possible(height) || width > 10.0 * height || height > 10.0 * width {
+        return Err(VisionError::ArenaSize(arena));
+    }
+    let fits = radius > 0.0 && radius < width.min(height) / 2.0;
+    if fits { Ok(()) } else { Err(VisionError::RobotRadius(radius)) }
+}
+
+/// The map of corners that the user gave.
+fn given(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Result<PlanMap, VisionError> {
+    let turn = |i: usize| {
+        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    };
+    // Counter-clockwise on the floor is clockwise with rows running down, hence negative.
+    if !(0..4).all(|i| turn(i) < 0.0) {
+        return Err(VisionError::Corners);
+    }
+    if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
+        return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
+    }
+    PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
+}
+
+fn steps(photo: &Photo, map: &PlanMap, arena: Arena, radius: f64) -> Steps {
+    let scale = PAPER_SCALE.min(PAPER_CELLS / arena.width.max(arena.height));
+    let frame = PlanFrame { arena, scale, margin: 0.0 };
+    let view = plan_view(photo, map, &frame);
+    let paper = paper_steps(&view, scale, radius);
+    Steps { frame, view, paper }
+}
+
+/// Obstacles by the floor's colour.
+fn robust_rectangles(
+    photo: &Photo,
+    map: &PlanMap,
+    look: &Look,
+    robot: Option<RobotTop>,
+) -> Vec<Bounded> {
+    let foreign = without(&look.foreign(), &look.frame, robot);
+    let least = (LEAST_SIDE * look.frame.scale).max(2.5);
+    let found = rectangles(&majority(&foreign), least * least);
+    let thick = found
+        .into_iter()
+        .filter(|cells| (cells.x1 - cells.x0).min(cells.y1 - cells.y0) as f64 >= least);
+    thick.map(|cells| sharpen(photo, map, look, metres(&look.frame, cells))).collect()
+}
+
+/// Obstacles by the paper's mask, to a cell.
+fn paper_rectangles(steps: &Steps, robot: Option<RobotTop>) -> Vec<Bounded> {
+    let mask = without(&steps.paper.obstacles.cells, &steps.frame, robot);
+    let least = (LEAST_SIDE * steps.frame.scale).max(2.5);
+    let found = rectangles(&mask, least * least);
+    let thick = found
+        .into_iter()
+        .filter(|cells| (cells.x1 - cells.x0).min(cells.y1 - cells.y0) as f64 >= least);
+    let cell = 1.0 / steps.frame.scale;
+    thick
+        .map(|cells| Bounded { rect: metres(&steps.frame, cells), margin: [2.0 * cell; 4] })
+        .collect()
+}
+
+/// The mask without the robot and without the cells that are blurred with the border.
+fn without(mask: &Raster<bool>, frame: &PlanFrame, robot: Option<RobotTop>) -> Raster<bool> {
+    let blur = BORDER_BLUR / frame.scale;
+    Raster::from_fn(mask.width(), mask.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let inside = point.x > blur
+            && point.y > blur
+            && point.x < frame.arena.width - blur
+            && point.y < frame.arena.height - blur;
+        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+        inside && !of_robot && mask.get(column as i64, row as i64) == Some(true)
+    })
+}
+
+/// Every cell as most of its 3 × 3 neighbourhood: specks vanish, straight edges stay.
+fn majority(mask: &Raster<bool>) -> Raster<bool> {
+    Raster::from_fn(mask.width(), mask.height(), |x, y| {
+        let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j)));
+        let count =
+            around.filter(|(i, j)| mask.get(x as i64 + i, y as i64 + j) == Some(true)).count();
+        count >= 5
+    })
+}
+
+fn metres(frame: &PlanFrame, cells: CellRect) -> Rect {
+    let corner = |column: usize, row: usize| frame.point(column as f64 - 0.5, row as f64 - 0.5);
+    let (upper_left, lower_right): (Point, Point) =
+        (corner(cells.x0, cells.y0), corner(cells.x1, cells.y1));
+    Rect::new(upper_left.x, lower_right.y, lower_right.x, upper_left.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_requests_are_refused() {
+        let photo = Photo::from_rgb(64, 64, vec![[9; 3]; 4096]).unwrap();
+        let detect = |width, radius| {
+            let options = DetectOptions { robot_radius: radius, ..DetectOptions::default() };
+            super::detect(&photo, Arena { width, height: 1.0 }, &options)
+        };
+        for width in [0.0, -1.0, f64::NAN, f64::INFINITY, 50.0] {
+            assert!(matches!(detect(width, 0.075), Err(VisionError::ArenaSize(_))), "{width}");
+        }
+        assert!(matches!(detect(1.0, f64::NAN), Err(VisionError::RobotRadius(_))));
+        let corners = Some([[f64::NAN; 2]; 4]);
+        let options = DetectOptions { corners, ..DetectOptions::default() };
+        assert!(super::detect(&photo, Arena { width: 1.0, height: 1.0 }, &options).is_err());
+    }
+}

@@ -1,0 +1,119 @@
+//! Edges as in the paper: Sobel in two directions, the sum of the magnitudes, an average filter, a
+//! threshold at the mean of the histogram, and the inversion [Alghannam, Sec. II.A].
+//!
+//! One function a step; values are brightness codes of 8 bit.
+
+use super::raster::Raster;
+
+/// The magnitude of the gradient, |∂f/∂x| + |∂f/∂y|, by the 3 × 3 Sobel operator.
+///
+/// The outermost rows and columns, where the operator does not fit, are 0.
+///
+/// ```
+/// use host::vision::{Raster, edge_magnitude};
+/// let step = Raster::from_fn(4, 3, |x, _| if x < 2 { 0 } else { 10 });
+/// assert_eq!(edge_magnitude(&step).row(1), [0, 40, 40, 0]);
+/// ```
+pub fn edge_magnitude(brightness: &Raster<u8>) -> Raster<u16> {
+    let (width, height) = (brightness.width(), brightness.height());
+    let mut magnitude = Raster::filled(width, height, 0);
+    if width < 3 || height < 3 {
+        return magnitude;
+    }
+    for y in 1..height - 1 {
+        let rows = [brightness.row(y - 1), brightness.row(y), brightness.row(y + 1)];
+        let out = &mut magnitude.cells_mut()[y * width + 1..(y + 1) * width - 1];
+        for (((out, above), here), below) in
+            out.iter_mut().zip(rows[0].windows(3)).zip(rows[1].windows(3)).zip(rows[2].windows(3))
+        {
+            let [a, b, c] = [above, here, below].map(|row| [row[0], row[1], row[2]].map(i16::from));
+            let along_x = (a[2] + 2 * b[2] + c[2]) - (a[0] + 2 * b[0] + c[0]);
+            let along_y = (c[0] + 2 * c[1] + c[2]) - (a[0] + 2 * a[1] + a[2]);
+            *out = along_x.unsigned_abs() + along_y.unsigned_abs();
+        }
+    }
+    magnitude
+}
+
+/// The average filter: every cell becomes the mean of its 3 × 3 neighbourhood, rounded down.
+///
+/// ```
+/// use host::vision::{Raster, average_filter};
+/// let dot = Raster::from_fn(3, 3, |x, y| if (x, y) == (1, 1) { 90 } else { 0 });
+/// assert_eq!(average_filter(&dot).row(1), [0, 10, 0]);
+/// ```
+pub fn average_filter(values: &Raster<u16>) -> Raster<u16> {
+    let (width, height) = (values.width(), values.height());
+    let mut mean = Raster::filled(width, height, 0);
+    if width < 3 || height < 3 {
+        return mean;
+    }
+    let mut columns = vec![0u32; width];
+    for y in 1..height - 1 {
+        let rows = [values.row(y - 1), values.row(y), values.row(y + 1)];
+        for (((sum, a), b), c) in columns.iter_mut().zip(rows[0]).zip(rows[1]).zip(rows[2]) {
+            *sum = u32::from(*a) + u32::from(*b) + u32::from(*c);
+        }
+        let out = &mut mean.cells_mut()[y * width + 1..(y + 1) * width - 1];
+        for (out, sums) in out.iter_mut().zip(columns.windows(3)) {
+            *out = ((sums[0] + sums[1] + sums[2]) / 9) as u16;
+        }
+    }
+    mean
+}
+
+/// The mean of the histogram: Σ value · count / Σ count.
+///
+/// ```
+/// use host::vision::{Raster, histogram_mean};
+/// assert_eq!(histogram_mean(&Raster::from_fn(2, 2, |x, _| x as u16 * 10)), 5.0);
+/// ```
+pub fn histogram_mean(values: &Raster<u16>) -> f64 {
+    let sum: u64 = values.cells().iter().map(|&value| u64::from(value)).sum();
+    sum as f64 / values.cells().len().max(1) as f64
+}
+
+/// The cells above `level`: the edges, white on black.
+pub fn threshold(values: &Raster<u16>, level: f64) -> Raster<bool> {
+    let level = level.max(0.0) as u16;
+    values.map(|value| value > level)
+}
+
+/// The colours reversed: white areas between black edges.
+pub fn invert(edges: &Raster<bool>) -> Raster<bool> {
+    edges.map(|edge| !edge)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_corner_has_both_gradients() {
+        let corner = Raster::from_fn(3, 3, |x, y| if x == 2 && y == 2 { 8 } else { 0 });
+        assert_eq!(edge_magnitude(&corner).get(1, 1), Some(16));
+    }
+
+    proptest! {
+        #[test]
+        fn magnitude_and_mean_agree_with_their_definitions(cells in proptest::collection::vec(any::<u8>(), 42)) {
+            let picture = Raster::from_fn(7, 6, |x, y| cells[y * 7 + x]);
+            let at = |x: i64, y: i64| i32::from(picture.get(x, y).unwrap());
+            let (edges, weights) = (edge_magnitude(&picture), [1, 2, 1]);
+            let mean = average_filter(&edges);
+            for y in 1..5 {
+                for x in 1..6 {
+                    let (mut gx, mut gy, mut sum) = (0, 0, 0);
+                    for (i, w) in (-1..=1).zip(weights) {
+                        gx += w * (at(x + 1, y + i) - at(x - 1, y + i));
+                        gy += w * (at(x + i, y + 1) - at(x + i, y - 1));
+                        sum += (-1..=1).map(|j| u32::from(edges.get(x + j, y + i).unwrap())).sum::<u32>();
+                    }
+                    prop_assert_eq!(i32::from(edges.get(x, y).unwrap()), gx.abs() + gy.abs());
+                    prop_assert_eq!(u32::from(mean.get(x, y).unwrap()), sum / 9);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! The colour of the floor, slowly varying over the arena, and of shadow on it.
+//!
+//! Colours are compared as logarithms of linear light, turned to brightness and two chroma axes: a
+//! weaker light then shifts the brightness alone. The floor is a polynomial of order up to 4 in x
+//! and y, fitted with re-weighting from the densest colour on, so that boxes do not pull it. Its
+//! residuals give the tolerance; wood, tiles and speckle thereby widen it by themselves.
+//!
+//! Deviation: the paper takes pixels near white for floor [Alghannam, Sec. II.A]; uneven light, coloured
+//! floors and shadows need the model.
+
+use crate::geometry::{Arena, Point};
+use nalgebra::{DMatrix, DVector};
+
+/// A colour as brightness and two chroma axes, natural logarithms.
+pub(crate) type Feature = [f32; 3];
+
+/// Light below this share of white is noise.
+const DARK_LEVEL: f32 = 0.01;
+/// The least tolerance (one standard deviation) of brightness and of chroma.
+const LEAST_SPREAD: [f32; 3] = [0.02, 0.012, 0.012];
+/// Shadow is darker than lit floor by at most this factor's logarithm.
+const DEEPEST_SHADOW: f32 = -1.5;
+/// Chroma in shadow is noisier than on lit floor, and light from other places tints it.
+const SHADOW_CHROMA: f32 = 2.5;
+/// The terms of a polynomial of order 4 in two variables.
+const MOST_TERMS: usize = 15;
+/// The order of the polynomial and the width of the inliers (standard deviations) in each round.
+const ROUNDS: [(usize, f32); 7] =
+    [(0, 3.0), (1, 3.0), (2, 3.0), (2, 2.5), (3, 2.5), (4, 2.5), (4, 2.5)];
+/// Samples that the model is fitted to, at most.
+const MOST_SAMPLES: usize = 6000;
+
+/// The feature of a linear light.
+pub(crate) fn feature(light: [f32; 3]) -> Feature {
+    let [r, g, b] = light.map(|value| (value + DARK_LEVEL).ln());
+    [(r + g + b) / 3.0, (r - g) / std::f32::consts::SQRT_2, (r + g - 2.0 * b) / 6f32.sqrt()]
+}
+
+/// The floor's colour over the arena.
+#[derive(Clone, Debug)]
+pub(crate) struct FloorModel {
+    arena: Arena,
+    terms: usize,
+    coefficients: [[f64; MOST_TERMS]; 3],
+    /// Standard deviations of the three parts of the feature.
+    pub(crate) spread: [f32; 3],
+    /// How much darker shadow is than lit floor (a negative logarithm), if there is shadow.
+    pub(crate) shadow: Option<f32>,
+}
+
+/// How a colour differs from the floor's, in standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Difference {
+    /// From lit floor.
+    pub(crate) lit: f32,
+    /// From lit floor, shadow or anything between, whichever is nearest.
+    pub(crate) floor: f32,
+}
+
+impl FloorModel {
+    /// The model of the floor seen in `samples` (floor point and feature); `None` without samples.
+    pub(crate) fn fit(arena: Arena, samples: &[(Point, Feature)]) -> Option<Self> {
+        let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
+        let samples: Vec<_> = samples.iter().step_by(step).copied().collect();
+        let start = densest(&samples)?;
+        let mut model = Self {
+            arena,
+            terms: 1,
+            coefficients: [[0.0; MOST_TERMS]; 3],
+            spread: [0.08, 0.04, 0.04],
+            shadow: None,
+        };
+        for (coefficients, value) in model.coefficients.iter_mut().zip(start) {
+            coefficients[0] = f64::from(value);
+        }
+        for (order, width) in ROUNDS {
+            model.refit(&samples, (order + 1) * (order + 2) / 2, width);
+        }
+        model.shadow = model.shadow_depth(&samples);
+        Some(model)
+    }
+
+    /// The lit floor's feature at a point.
+    pub(crate) fn lit(&self, point: Point) -> Feature {
+        let terms = self.monomials(point);
+        self.coefficients.map(|row| {
+            row.iter().zip(terms).take(self.terms).map(|(c, t)| c * t).sum::<f64>() as f32
+        })
+    }
+
+    /// `seen` less the lit floor's feature at a point.
+    pub(crate) fn residual(&self, point: Point, seen: Feature) -> Feature {
+        let lit = self.lit(point);
+        [seen[0] - lit[0], seen[1] - lit[1], seen[2] - lit[2]]
+    }
+
+    /// How a colour seen at a point differs from the floor's.
+    pub(crate) fn difference(&self, point: Point, seen: Feature) -> Difference {
+        self.difference_of(self.residual(point, seen))
+    }
+
+    /// How a residual differs from the floor's colour.
+    pub(crate) fn difference_of(&self, residual: Feature) -> Difference {
+        let [b, c, d] = [0, 1, 2].map(|part| residual[part] / self.spread[part]);
+        let lit = (b * b + c * c + d * d).sqrt();
+        let Some(depth) = self.shadow else { return Difference { lit, floor: lit } };
+        let beyond = if residual[0] < 1.15 * depth {
+            residual[0] - 1.15 * depth
+        } else {
+            residual[0].max(0.0)
+        };
+        let widened = 1.0 + (SHADOW_CHROMA - 1.0) * (residual[0] / depth).clamp(0.0, 1.0);
+        let (b, c, d) = (beyond / self.spread[0], c / widened, d / widened);
+        Difference { lit, floor: lit.min((b * b + c * c + d * d).sqrt()) }
+    }
+
+    fn monomials(&self, point: Point) -> [f64; MOST_TERMS] {
+        let x = (2.0 * point.x / self.arena.width - 1.0).clamp(-1.15, 1.15);
+        let y = (2.0 * point.y / self.arena.height - 1.0).clamp(-1.15, 1.15);
+        let (x2, y2) = (x * x, y * y);
+        [
+            1.0,
+            x,
+            y,
+            x2,
+            x * y,
+            y2,
+            x2 * x,
+            x2 * y,
+            x * y2,
+            y2 * y,
+            x2 * x2,
+            x2 * x * y,
+            x2 * y2,
+            x * y2 * y,
+            y2 * y2,
+        ]
+    }
+
+    /// One weighted least-squares fit with `terms` terms to the samples within `width` deviations.
+    fn refit(&mut self, samples: &[(Point, Feature)], terms: usize, width: f32) {
+        let mut normal = DMatrix::<f64>::zeros(terms, terms);
+        let mut right = [(); 3].map(|()| DVector::<f64>::zeros(terms));
+        let mut inliers: [Vec<f32>; 3] = Default::default();
+        for &(point, seen) in samples {
+            let residual = self.residual(point, seen);
+            let distance = self.difference_of(residual).lit;
+            let weight = f64::from((1.0 + (distance / width).powi(2)).powi(-2));
+            let monomials = self.monomials(point);
+            for i in 0..terms {
+                for j in 0..=i {
+                    normal[(i, j)] += weight * monomials[i] * monomials[j];
+                }
+                for (right, value) in right.iter_mut().zip(seen) {
+                    right[i] += weight * monomials[i] * f64::from(value);
+                }
+            }
+            if distance < 4.0 {
+                inliers.iter_mut().zip(residual).for_each(|(list, value)| list.push(value.abs()));
+            }
+        }
+        for i in 0..terms {
+            normal[(i, i)] += 1e-3 * samples.len() as f64 * if i > 2 { 1e-2 } else { 1e-6 };
+        }
+        let Some(factor) = normal.cholesky() else { return };
+        for (row, right) in self.coefficients.iter_mut().zip(&right) {
+            row.iter_mut()
+                .zip(factor.solve(right).iter())
+                .for_each(|(value, solved)| *value = *solved);
+        }
+        self.terms = terms;
+        for part in 0..3 {
+            self.spread[part] = (1.4826 * median(&mut inliers[part])).max(LEAST_SPREAD[part]);
+        }
+    }
+
+    /// The most frequent darkness of what is darker than the floor and of its chroma.
+    fn shadow_depth(&self, samples: &[(Point, Feature)]) -> Option<f32> {
+        const BINS: usize = 30;
+        let mut counts = [0u32; BINS];
+        let least = -(5.0 * self.spread[0]).max(0.12);
+        for &(point, seen) in samples {
+            let [dark, c, d] = self.residual(point, seen);
+            let neutral = c.abs() < (4.0 * self.spread[1]).max(0.07)
+                && d.abs() < (4.0 * self.spread[2]).max(0.09);
+            if neutral && dark < least && dark > DEEPEST_SHADOW {
+                counts[((dark / DEEPEST_SHADOW * BINS as f32) as usize).min(BINS - 1)] += 1;
+            }
+        }
+        let (bin, &count) = counts.iter().enumerate().max_by_key(|(_, count)| **count)?;
+        let enough = count as usize * 1000 > samples.len();
+        enough.then(|| (bin as f32 + 0.5) / BINS as f32 * DEEPEST_SHADOW)
+    }
+}
+
+/// The centre of the fullest cell of colour space.
+fn densest(samples: &[(Point, Feature)]) -> Option<Feature> {
+    const CELL: Feature = [0.15, 0.08, 0.08];
+    let mut cells = std::collections::HashMap::<[i32; 3], (u32, Feature)>::new();
+    for (_, seen) in samples {
+        let key = [0, 1, 2].map(|part| (seen[part] / CELL[part]).round() as i32);
+        let (count, sum) = cells.entry(key).or_insert((0, [0.0; 3]));
+        *count += 1;
+        sum.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+    }
+    let (_, (count, sum)) = cells.into_iter().max_by_key(|(key, (count, _))| (*count, *key))?;
+    Some(sum.map(|value| value / count as f32))
+}
+
+/// The median; 0 for an empty list.
+pub(crate) fn median(values: &mut [f32]) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARENA: Arena = Arena { width: 2.0, height: 1.0 };
+
+    fn floor_light(point: Point) -> f32 {
+        (0.5 + 0.1 * point.x - 0.05 * point.y * point.y) as f32
+    }
+
+    fn samples() -> Vec<(Point, Feature)> {
+        let place = |i: usize| Point::new((i % 60) as f64 / 30.0, (i / 60) as f64 / 30.0);
+        let light = |point: Point| match point {
+            p if p.x < 0.5 => [0.04; 3],
+            p if p.x < 0.7 => [0.5 * floor_light(p); 3],
+            p => [floor_light(p); 3],
+        };
+        (0..1800).map(|i| (place(i), feature(light(place(i))))).collect()
+    }
+
+    #[test]
+    fn a_weaker_light_shifts_brightness_alone() {
+        let [b0, c0, d0] = feature([0.6, 0.5, 0.4]);
+        let [b1, c1, d1] = feature([0.3, 0.25, 0.2]);
+        assert!(
+            (b0 - b1 - 2f32.ln()).abs() < 0.03 && (c0 - c1).abs() < 0.02 && (d0 - d1).abs() < 0.02
+        );
+    }
+
+    #[test]
+    fn the_model_follows_the_floor_and_knows_boxes_and_shadow() {
+        let model = FloorModel::fit(ARENA, &samples()).unwrap();
+        let point = Point::new(1.5, 0.5);
+        assert!(model.difference(point, feature([floor_light(point); 3])).lit < 1.0);
+        let dark = model.difference(point, feature([0.04; 3]));
+        assert!(dark.floor > 10.0);
+        let shade = model.difference(point, feature([0.5 * floor_light(point); 3]));
+        assert!(shade.lit > 10.0 && shade.floor < 1.5, "{shade:?} {model:?}");
+    }
+
+    #[test]
+    fn no_samples_make_no_model() {
+        assert!(FloorModel::fit(ARENA, &[]).is_none());
+    }
+}

@@ -1,0 +1,236 @@
+//! The photo: decoding PNG and JPEG within bounded memory, and reading it in linear light.
+//!
+//! Pixels are sRGB; everything that measures light (edges to a fraction of a pixel, the floor's
+//! colour) asks for linear light, because blur mixes light and not sRGB codes: edges located in sRGB
+//! are biased towards the dark side by a quarter of a pixel.
+
+use super::error::VisionError;
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::io::Cursor;
+
+/// The greatest number of pixels that is decoded: 40 million.
+pub const MAX_PIXELS: u64 = 40_000_000;
+/// Below this width or height no arena can be found.
+const LEAST_SIDE: usize = 64;
+/// Decoders may hold one copy at 16 bit and four channels, and tables.
+const DECODER_BYTES_PER_PIXEL: u64 = 8;
+const DECODER_TABLES: u64 = 16 << 20;
+
+/// A decoded photo, upright.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Photo {
+    width: usize,
+    height: usize,
+    pixels: Vec<[u8; 3]>,
+    linear: Vec<f32>,
+}
+
+/// Decodes a PNG or JPEG file and turns it upright as its EXIF orientation says.
+///
+/// # Errors
+/// [`VisionError::Decode`] for broken or other files, [`VisionError::TooLarge`] above [`MAX_PIXELS`],
+/// [`VisionError::TooSmall`] below 64 pixels in either direction.
+///
+/// ```
+/// assert!(host::vision::decode(b"no picture").is_err());
+/// ```
+pub fn decode(bytes: &[u8]) -> Result<Photo, VisionError> {
+    let failed = |error: &dyn std::fmt::Display| VisionError::Decode { reason: error.to_string() };
+    let reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| failed(&error))?;
+    let mut decoder = reader.into_decoder().map_err(|error| failed(&error))?;
+    let (width, height) = decoder.dimensions();
+    let count = u64::from(width) * u64::from(height);
+    if count > MAX_PIXELS {
+        return Err(VisionError::TooLarge { width, height, limit: MAX_PIXELS });
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(count * DECODER_BYTES_PER_PIXEL + DECODER_TABLES);
+    decoder.set_limits(limits).map_err(|error| failed(&error))?;
+    let orientation = decoder.orientation().map_err(|error| failed(&error))?;
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?;
+    picture.apply_orientation(orientation);
+    let picture = picture.into_rgb8();
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let pixels = picture.as_raw().as_chunks::<3>().0.to_vec();
+    Photo::from_rgb(width, height, pixels)
+}
+
+impl Photo {
+    /// A photo from sRGB pixels, row by row from the top left.
+    ///
+    /// # Errors
+    /// [`VisionError::TooSmall`] below 64 pixels in either direction, [`VisionError::Decode`] if the
+    /// number of pixels is not `width` × `height`.
+    ///
+    /// ```
+    /// use host::vision::Photo;
+    /// let grey = Photo::from_rgb(64, 64, vec![[128; 3]; 64 * 64])?;
+    /// assert!((grey.light([10.0, 10.0])[0] - 0.2159).abs() < 1e-4);
+    /// # Ok::<(), host::vision::VisionError>(())
+    /// ```
+    pub fn from_rgb(
+        width: usize,
+        height: usize,
+        pixels: Vec<[u8; 3]>,
+    ) -> Result<Self, VisionError> {
+        if width < LEAST_SIDE || height < LEAST_SIDE {
+            return Err(VisionError::TooSmall { width, height, least: LEAST_SIDE });
+        }
+        if pixels.len() != width * height {
+            return Err(VisionError::Decode {
+                reason: format!("{} pixels for {width} x {height}", pixels.len()),
+            });
+        }
+        Ok(Self { width, height, pixels, linear: (0..=255).map(linear_light).collect() })
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The sRGB pixels, row by row from the top left.
+    pub fn pixels(&self) -> &[[u8; 3]] {
+        &self.pixels
+    }
+
+    /// The centre of the picture, pixels.
+    pub(crate) fn centre(&self) -> [f64; 2] {
+        [(self.width as f64 - 1.0) / 2.0, (self.height as f64 - 1.0) / 2.0]
+    }
+
+    /// The linear light (red, green, blue, 0 to 1) at a place in pixels, between four pixels by
+    /// bilinear interpolation; beyond the picture's rim that of the rim.
+    pub fn light(&self, [x, y]: [f64; 2]) -> [f32; 3] {
+        let x = x.clamp(0.0, (self.width - 1) as f64);
+        let y = y.clamp(0.0, (self.height - 1) as f64);
+        let (left, top) = ((x as usize).min(self.width - 2), (y as usize).min(self.height - 2));
+        let (right, down) = ((x - left as f64) as f32, (y - top as f64) as f32);
+        let first = top * self.width + left;
+        let corners = [
+            (first, (1.0 - right) * (1.0 - down)),
+            (first + 1, right * (1.0 - down)),
+            (first + self.width, (1.0 - right) * down),
+            (first + self.width + 1, right * down),
+        ];
+        let mut light = [0.0; 3];
+        for (index, weight) in corners {
+            for (sum, code) in light.iter_mut().zip(self.pixels[index]) {
+                *sum += weight * self.linear[usize::from(code)];
+            }
+        }
+        light
+    }
+
+    /// Whether a place in pixels is inside the picture.
+    pub(crate) fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        x >= -0.5 && y >= -0.5 && x <= self.width as f64 - 0.5 && y <= self.height as f64 - 0.5
+    }
+
+    /// The photo at 1 / `factor` of its size, each pixel the mean of `factor`² sRGB pixels.
+    ///
+    /// The place (x, y) of the small picture is ((x + ½) `factor` − ½, …) of the large one.
+    pub(crate) fn reduced(&self, factor: usize) -> Self {
+        let (width, height) = (self.width / factor, self.height / factor);
+        let area = (factor * factor) as u32;
+        let mut pixels = Vec::with_capacity(width * height);
+        let mut sums = vec![[0u32; 3]; width];
+        for y in 0..height {
+            sums.fill([0; 3]);
+            for row in 0..factor {
+                let start = (y * factor + row) * self.width;
+                let line = &self.pixels[start..start + width * factor];
+                for (sum, group) in sums.iter_mut().zip(line.chunks_exact(factor)) {
+                    for pixel in group {
+                        for channel in 0..3 {
+                            sum[channel] += u32::from(pixel[channel]);
+                        }
+                    }
+                }
+            }
+            pixels
+                .extend(sums.iter().map(|sum| sum.map(|value| ((value + area / 2) / area) as u8)));
+        }
+        Self { width, height, pixels, linear: self.linear.clone() }
+    }
+}
+
+/// The linear light of an sRGB code (IEC 61966-2-1).
+fn linear_light(code: i32) -> f32 {
+    let value = f64::from(code) / 255.0;
+    let light = if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
+    light as f32
+}
+
+/// The sRGB code (0 to 255) of a linear light between 0 and 1.
+///
+/// ```
+/// assert_eq!(host::vision::srgb_code(0.2159), 128);
+/// ```
+pub fn srgb_code(light: f32) -> u8 {
+    let light = f64::from(light).clamp(0.0, 1.0);
+    let value =
+        if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * value).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(width: u32, height: u32) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        let picture =
+            image::GrayImage::from_fn(width, height, |x, _| image::Luma([(x % 256) as u8]));
+        picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn light_between_two_pixels_is_the_mean_of_their_light() {
+        let photo = decode(&png(128, 64)).unwrap();
+        let [between, ..] = photo.light([100.5, 3.0]);
+        let expected = (linear_light(100) + linear_light(101)) / 2.0;
+        assert!((between - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn every_code_survives_the_way_to_light_and_back() {
+        for code in 0..=255 {
+            assert_eq!(i32::from(srgb_code(linear_light(code))), code);
+        }
+    }
+
+    #[test]
+    fn cut_and_foreign_files_are_refused() {
+        let whole = png(200, 100);
+        for length in [0, 10, whole.len() / 2, whole.len() - 20] {
+            assert!(
+                matches!(decode(&whole[..length]), Err(VisionError::Decode { .. })),
+                "{length} bytes"
+            );
+        }
+        assert!(matches!(decode(&png(20, 300)), Err(VisionError::TooSmall { .. })));
+    }
+
+    #[test]
+    fn a_huge_picture_is_refused_before_it_is_decoded() {
+        let mut bytes = png(64, 64);
+        bytes[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+        assert!(decode(&bytes).is_err());
+    }
+
+    #[test]
+    fn the_small_picture_holds_means() {
+        let photo =
+            Photo::from_rgb(64, 64, (0..4096).map(|i| [(i % 2 * 100) as u8; 3]).collect()).unwrap();
+        assert!(photo.reduced(2).pixels().iter().all(|&pixel| pixel == [50; 3]));
+    }
+}

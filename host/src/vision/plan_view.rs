@@ -1,0 +1,90 @@
+//! The metric plan view: the floor seen straight from above, the same number of cells to every metre.
+//!
+//! Cells hold linear light. The view reaches a margin beyond the arena, because tall boxes lean out of
+//! it. Column 0 lies at x = −margin, row 0 at y = height + margin; metres in the arena frame.
+
+use super::photo::Photo;
+use super::plan_map::PlanMap;
+use super::raster::Raster;
+use crate::geometry::{Arena, Point};
+
+/// Where the cells of a plan view lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanFrame {
+    /// The floor.
+    pub arena: Arena,
+    /// Cells per metre.
+    pub scale: f64,
+    /// How far the view reaches beyond the floor, metres.
+    pub margin: f64,
+}
+
+impl PlanFrame {
+    /// The number of columns and rows.
+    ///
+    /// ```
+    /// use host::{geometry::Arena, vision::PlanFrame};
+    /// let arena = Arena { width: 2.0, height: 1.0 };
+    /// let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
+    /// assert_eq!(frame.size(), (220, 120));
+    /// ```
+    pub fn size(&self) -> (usize, usize) {
+        let cells =
+            |length: f64| ((length + 2.0 * self.margin) * self.scale).round().max(1.0) as usize;
+        (cells(self.arena.width), cells(self.arena.height))
+    }
+
+    /// The floor point at a column and a row, metres; whole numbers are the centres of cells.
+    pub fn point(&self, column: f64, row: f64) -> Point {
+        let (x, y) = ((column + 0.5) / self.scale, (row + 0.5) / self.scale);
+        Point::new(x - self.margin, self.arena.height + self.margin - y)
+    }
+
+    /// The column and row of a floor point; whole numbers are the centres of cells.
+    pub fn cell(&self, point: Point) -> (f64, f64) {
+        let (x, y) = (point.x + self.margin, self.arena.height + self.margin - point.y);
+        (x * self.scale - 0.5, y * self.scale - 0.5)
+    }
+}
+
+/// Draws the plan view of a photo, in linear light.
+///
+/// Where the photo is finer than the view a cell is the mean of several places, at most 4 × 4.
+pub fn plan_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<[f32; 3]> {
+    let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
+    let places = (map.scale_at(middle) / frame.scale).round().clamp(1.0, 4.0) as usize;
+    let share = 1.0 / (places * places) as f32;
+    let (width, height) = frame.size();
+    Raster::from_fn(width, height, |column, row| {
+        let mut sum = [0f32; 3];
+        for place in 0..places * places {
+            let within = |index: usize| (index as f64 + 0.5) / places as f64 - 0.5;
+            let point = frame
+                .point(column as f64 + within(place % places), row as f64 + within(place / places));
+            for (sum, light) in sum.iter_mut().zip(photo.light(map.to_photo(point))) {
+                *sum += light;
+            }
+        }
+        sum.map(|value| value * share)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_shows_what_lies_at_its_point() {
+        let pixels = (0..100 * 100).map(|i| if i % 100 < 50 { [255; 3] } else { [0; 3] });
+        let photo = Photo::from_rgb(100, 100, pixels.collect()).unwrap();
+        let arena = Arena { width: 0.8, height: 0.8 };
+        let corners = [[9.5, 89.5], [89.5, 89.5], [89.5, 9.5], [9.5, 9.5]];
+        let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        let frame = PlanFrame { arena, scale: 100.0, margin: 0.05 };
+        let view = plan_view(&photo, &map, &frame);
+        assert_eq!((view.width(), view.height()), (90, 90));
+        assert!(view.get(44, 40).unwrap()[0] > 0.99 && view.get(45, 40).unwrap()[0] < 0.01);
+        let (column, row) = frame.cell(frame.point(12.0, 34.0));
+        assert!((column - 12.0).abs() < 1e-9 && (row - 34.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,59 @@
+//! The place of a step of light along a line of samples, to a fraction of a sample.
+
+/// Samples on each side from which a derivative is taken: wide enough against noise, and without
+/// effect on the place of a symmetric step.
+const HALF_WIDTH: usize = 2;
+/// The least derivative that is a step, share of the expected change or linear light.
+const LEAST_EXPECTED: f32 = 0.2;
+const LEAST_ANY: f32 = 0.01;
+
+/// Where the light changes most along `lights`, as an index with a fraction.
+///
+/// With `change` (last less first light) only a change of that colour and sign counts. `None` if
+/// there is no clear step, or if it lies at an end.
+pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64> {
+    let slope = |i: usize| {
+        let difference = [0, 1, 2].map(|c| lights[i + 2 * HALF_WIDTH][c] - lights[i][c]);
+        match change {
+            Some(expected) => {
+                let square: f32 = expected.iter().map(|value| value * value).sum();
+                difference.iter().zip(expected).map(|(a, b)| a * b).sum::<f32>() / square.max(1e-9)
+            }
+            None => difference.iter().fold(0.0, |best: f32, value| best.max(value.abs())),
+        }
+    };
+    let slopes: Vec<f32> = (0..lights.len().saturating_sub(2 * HALF_WIDTH)).map(slope).collect();
+    let (best, &peak) = slopes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let least = if change.is_some() { LEAST_EXPECTED } else { LEAST_ANY };
+    if peak < least || best == 0 || best + 1 == slopes.len() {
+        return None;
+    }
+    let (before, after) = (slopes[best - 1], slopes[best + 1]);
+    let shift = f64::from(0.5 * (before - after) / (before - 2.0 * peak + after).min(-1e-9));
+    Some((best + HALF_WIDTH) as f64 + shift)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step from 0 to 1 at `place`, blurred over three samples.
+    fn blurred(place: f64) -> Vec<[f32; 3]> {
+        (0..20).map(|i| [((f64::from(i) - place) / 3.0 + 0.5).clamp(0.0, 1.0) as f32; 3]).collect()
+    }
+
+    #[test]
+    fn a_step_is_found_to_a_fraction_of_a_sample() {
+        for place in [7.0, 7.3, 7.5, 11.8] {
+            let found = step(&blurred(place), Some([1.0; 3])).unwrap();
+            assert!((found - place).abs() < 0.1, "{found} for {place}");
+        }
+    }
+
+    #[test]
+    fn neither_even_light_nor_the_wrong_sign_is_a_step() {
+        assert_eq!(step(&[[0.5; 3]; 12], None), None);
+        assert_eq!(step(&blurred(7.0), Some([-1.0; 3])), None);
+        assert_eq!(step(&[], None), None);
+    }
+}

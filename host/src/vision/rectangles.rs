@@ -1,0 +1,210 @@
+//! Rectangles that cover a mask: obstacles are rectangles with sides parallel to the arena's
+//! [Alghannam, Sec. II.A], touching ones make L and T shapes.
+//!
+//! In each connected region the rectangle with the greatest gain is taken (a covered mask cell gains
+//! 1, a covered floor cell costs 1), then the next one over what is left, until little is left.
+
+use super::raster::Raster;
+
+/// Regions are searched at no more than this many blocks of cells a side.
+const MOST_BLOCKS: usize = 90;
+/// Rectangles of one region, at most.
+const MOST_RECTANGLES: usize = 12;
+/// A further rectangle covers at least this share of its region.
+const LEAST_SHARE: f64 = 0.03;
+
+/// Columns `x0..x1` and rows `y0..y1` of a raster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellRect {
+    /// The first column.
+    pub x0: usize,
+    /// The first row.
+    pub y0: usize,
+    /// The first column after it.
+    pub x1: usize,
+    /// The first row after it.
+    pub y1: usize,
+}
+
+/// Covers the true cells with rectangles; what gains less than `least` cells is left out.
+///
+/// ```
+/// use host::vision::{CellRect, Raster, rectangles};
+/// let mask = Raster::from_fn(10, 8, |x, y| (2..6).contains(&x) && (1..7).contains(&y));
+/// assert_eq!(rectangles(&mask, 4.0), [CellRect { x0: 2, y0: 1, x1: 6, y1: 7 }]);
+/// ```
+pub fn rectangles(mask: &Raster<bool>, least: f64) -> Vec<CellRect> {
+    let (regions, count) = mask.regions(true);
+    let mut bounds = vec![CellRect { x0: usize::MAX, y0: usize::MAX, x1: 0, y1: 0 }; count];
+    let mut areas = vec![0usize; count];
+    for y in 0..regions.height() {
+        for (x, &region) in regions.row(y).iter().enumerate() {
+            if let Some(index) = (region as usize).checked_sub(1) {
+                let b = &mut bounds[index];
+                *b = CellRect {
+                    x0: b.x0.min(x),
+                    y0: b.y0.min(y),
+                    x1: b.x1.max(x + 1),
+                    y1: b.y1.max(y + 1),
+                };
+                areas[index] += 1;
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for (index, (&bound, &area)) in bounds.iter().zip(&areas).enumerate() {
+        let least = least.max(LEAST_SHARE * area as f64);
+        if area as f64 >= least {
+            cover(&regions, index as u32 + 1, bound, least, &mut found);
+        }
+    }
+    found
+}
+
+/// Covers one region, best rectangle first.
+fn cover(
+    regions: &Raster<u32>,
+    region: u32,
+    bound: CellRect,
+    least: f64,
+    found: &mut Vec<CellRect>,
+) {
+    let (width, height) = (bound.x1 - bound.x0, bound.y1 - bound.y0);
+    let mut gain = Raster::from_fn(width, height, |x, y| {
+        if regions.get((bound.x0 + x) as i64, (bound.y0 + y) as i64) == Some(region) {
+            1i32
+        } else {
+            -1
+        }
+    });
+    for _ in 0..MOST_RECTANGLES {
+        let sums = Sums::of(&gain);
+        let block = width.max(height).div_ceil(MOST_BLOCKS);
+        let Some(rough) = best_of_blocks(&sums, width, height, block) else { return };
+        let best = snap(&sums, rough, width, height, block);
+        if (sums.of_rect(best) as f64) < least {
+            return;
+        }
+        for y in best.y0..best.y1 {
+            gain.cells_mut()[y * width + best.x0..y * width + best.x1]
+                .iter_mut()
+                .for_each(|cell| *cell = (*cell).min(0));
+        }
+        found.push(CellRect {
+            x0: bound.x0 + best.x0,
+            y0: bound.y0 + best.y0,
+            x1: bound.x0 + best.x1,
+            y1: bound.y0 + best.y1,
+        });
+    }
+}
+
+/// Sums over the cells left of and above every corner of cells.
+struct Sums(Raster<i32>);
+
+impl Sums {
+    fn of(values: &Raster<i32>) -> Self {
+        let mut sums = Raster::filled(values.width() + 1, values.height() + 1, 0);
+        let width = values.width() + 1;
+        for y in 0..values.height() {
+            let mut row = 0;
+            for (x, value) in values.row(y).iter().enumerate() {
+                row += value;
+                sums.cells_mut()[(y + 1) * width + x + 1] = sums.cells()[y * width + x + 1] + row;
+            }
+        }
+        Self(sums)
+    }
+
+    fn of_rect(&self, rect: CellRect) -> i32 {
+        let at = |x: usize, y: usize| self.0.cells()[y * self.0.width() + x];
+        at(rect.x1, rect.y1) - at(rect.x0, rect.y1) - at(rect.x1, rect.y0) + at(rect.x0, rect.y0)
+    }
+}
+
+/// The rectangle of whole blocks with the greatest sum (Kadane over every pair of rows).
+fn best_of_blocks(sums: &Sums, width: usize, height: usize, block: usize) -> Option<CellRect> {
+    let edges = |length: usize| {
+        (0..=length.div_ceil(block)).map(|i| (i * block).min(length)).collect::<Vec<_>>()
+    };
+    let (columns, rows) = (edges(width), edges(height));
+    let mut best: Option<(i32, CellRect)> = None;
+    for (top, &y0) in rows.iter().enumerate() {
+        for &y1 in &rows[top + 1..] {
+            let (mut sum, mut x0) = (0, 0);
+            for pair in columns.windows(2) {
+                if sum <= 0 {
+                    (sum, x0) = (0, pair[0]);
+                }
+                sum += sums.of_rect(CellRect { x0: pair[0], y0, x1: pair[1], y1 });
+                if best.is_none_or(|(most, _)| sum > most) {
+                    best = Some((sum, CellRect { x0, y0, x1: pair[1], y1 }));
+                }
+            }
+        }
+    }
+    best.map(|(_, rect)| rect)
+}
+
+/// Moves the edges cell by cell as long as the sum grows.
+fn snap(sums: &Sums, mut rect: CellRect, width: usize, height: usize, block: usize) -> CellRect {
+    if block == 1 {
+        return rect;
+    }
+    for _ in 0..4 * block {
+        let mut better = rect;
+        for x in [rect.x0.saturating_sub(1), (rect.x0 + 1).min(rect.x1 - 1)] {
+            better = greater(sums, better, CellRect { x0: x, ..rect });
+        }
+        for x in [(rect.x1 - 1).max(rect.x0 + 1), (rect.x1 + 1).min(width)] {
+            better = greater(sums, better, CellRect { x1: x, ..rect });
+        }
+        for y in [rect.y0.saturating_sub(1), (rect.y0 + 1).min(rect.y1 - 1)] {
+            better = greater(sums, better, CellRect { y0: y, ..rect });
+        }
+        for y in [(rect.y1 - 1).max(rect.y0 + 1), (rect.y1 + 1).min(height)] {
+            better = greater(sums, better, CellRect { y1: y, ..rect });
+        }
+        if better == rect {
+            break;
+        }
+        rect = better;
+    }
+    rect
+}
+
+fn greater(sums: &Sums, a: CellRect, b: CellRect) -> CellRect {
+    if sums.of_rect(b) > sums.of_rect(a) { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn an_l_shape_is_two_rectangles() {
+        let mask = Raster::from_fn(40, 40, |x, y| {
+            (5..10).contains(&x) && (5..35).contains(&y)
+                || (10..30).contains(&x) && (30..35).contains(&y)
+        });
+        let found = rectangles(&mask, 10.0);
+        assert_eq!(found.len(), 2);
+        let covered = |x: usize, y: usize| {
+            found.iter().any(|r| (r.x0..r.x1).contains(&x) && (r.y0..r.y1).contains(&y))
+        };
+        assert!(
+            (0..40)
+                .all(|y| (0..40).all(|x| covered(x, y) == mask.get(x as i64, y as i64).unwrap()))
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn one_rectangle_is_found_exactly_at_any_size(x0 in 0usize..150, y0 in 0usize..150, w in 5usize..150, h in 5usize..150) {
+            let rect = CellRect { x0, y0, x1: x0 + w, y1: y0 + h };
+            let mask = Raster::from_fn(300, 300, |x, y| (rect.x0..rect.x1).contains(&x) && (rect.y0..rect.y1).contains(&y));
+            prop_assert_eq!(rectangles(&mask, 9.0), [rect]);
+        }
+    }
+}

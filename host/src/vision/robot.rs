@@ -1,0 +1,334 @@
+//! The robot in the picture: a disc with a triangle on its top that points ahead.
+//!
+//! Colours are not known. Edge points vote for the centre at the disc's radius; a centre that is seen
+//! from many directions is a disc. The triangle's heading is the one that splits the disc's colours best
+//! into triangle and rest. Lengths are those of the robot's top as the floor's map shows it: raised by the
+//! robot's height it looks larger and farther from the camera's foot point, by the same factor.
+
+use super::floor::Feature;
+use super::look::Look;
+use super::photo::Photo;
+use super::plan_map::PlanMap;
+use super::profile::step;
+use super::raster::Raster;
+use crate::geometry::Point;
+use std::f64::consts::{PI, TAU};
+
+/// The triangle: its apex is ahead of the centre, its base behind, shares of the radius.
+const APEX: f64 = 0.8;
+const BASE: f64 = -0.533;
+const HALF_BASE: f64 = 0.373;
+/// Directions that votes are sorted into, as bits.
+const DIRECTIONS: u32 = 24;
+/// The radius that is sought first: the top is 0 to 5 % larger than the disc.
+const USUAL_ENLARGEMENT: f64 = 1.02;
+/// A gradient that votes, standard deviations of the floor.
+const LEAST_GRADIENT: f32 = 2.5;
+/// Votes come from at least this many directions.
+const LEAST_DIRECTIONS: u32 = 13;
+/// Centres that are looked at.
+const MOST_CENTRES: usize = 12;
+/// The share of the disc's variance that triangle and rest explain.
+const LEAST_EXPLAINED: f64 = 0.6;
+/// Headings tried first.
+const HEADINGS: usize = 72;
+/// The least radius in cells at which a triangle can be made out.
+const LEAST_RADIUS_CELLS: f64 = 5.0;
+
+/// The robot's top as it appears on the floor's plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RobotTop {
+    pub(crate) centre: Point,
+    pub(crate) radius: f64,
+    /// Counter-clockwise from +x, radians.
+    pub(crate) heading: f64,
+    /// How surely this is a robot, 0 to 1.
+    pub(crate) certainty: f64,
+}
+
+/// Finds the robot of a radius in metres; `None` if there is none.
+pub(crate) fn find(photo: &Photo, map: &PlanMap, look: &Look, radius: f64) -> Option<RobotTop> {
+    let cells = radius * look.frame.scale;
+    if cells < LEAST_RADIUS_CELLS {
+        return None;
+    }
+    let mut best: Option<RobotTop> = None;
+    for (column, row, directions) in centres(look, USUAL_ENLARGEMENT * cells) {
+        let rough = look.frame.point(column, row);
+        let Some((centre, fitted)) = circle(photo, map, look, rough, USUAL_ENLARGEMENT * radius)
+        else {
+            continue;
+        };
+        let Some((heading, explained)) = heading(photo, map, look, centre, fitted) else {
+            continue;
+        };
+        let certainty = explained * f64::from(directions) / f64::from(DIRECTIONS);
+        if explained > LEAST_EXPLAINED && best.is_none_or(|best| certainty > best.certainty) {
+            best = Some(RobotTop { centre, radius: fitted, heading, certainty });
+        }
+    }
+    best
+}
+
+/// The cells (column, row) that edges of many directions surround at a radius, and how many directions.
+fn centres(look: &Look, radius: f64) -> Vec<(f64, f64, u32)> {
+    let (width, height) = (look.features.width(), look.features.height());
+    let mut votes = Raster::filled(width, height, 0u32);
+    for row in 1..height - 1 {
+        for column in 1..width - 1 {
+            let Some((gx, gy)) = gradient(look, column, row) else { continue };
+            for sign in [1.0, -1.0] {
+                let (dx, dy) = (sign * gx, sign * gy);
+                let direction = (dy.atan2(dx) / TAU + 1.0) * f64::from(DIRECTIONS);
+                let bit = 1 << (direction as u32 % DIRECTIONS);
+                for reach in [-1.0, 0.0, 1.0] {
+                    let (x, y) =
+                        (column as f64 - (radius + reach) * dx, row as f64 - (radius + reach) * dy);
+                    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                        let (x, y) = (x.floor() as i64 + i, y.floor() as i64 + j);
+                        votes.set(x, y, votes.get(x, y).unwrap_or(0) | bit);
+                    }
+                }
+            }
+        }
+    }
+    peaks(look, &votes, radius)
+}
+
+/// The direction of a clear gradient of brightness or chroma, as a unit vector.
+fn gradient(look: &Look, column: usize, row: usize) -> Option<(f64, f64)> {
+    let (x, y) = (column as i64, row as i64);
+    let [right, left, down, up] =
+        [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)].map(|(x, y)| look.features.get(x, y));
+    let (right, left, down, up) = (right?, left?, down?, up?);
+    let part = |part: usize| {
+        let spread = look.floor.spread[part];
+        ((right[part] - left[part]) / spread, (down[part] - up[part]) / spread)
+    };
+    let strongest = [part(0), part(1), part(2)]
+        .into_iter()
+        .max_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)))?;
+    let length = strongest.0.hypot(strongest.1);
+    (length > LEAST_GRADIENT)
+        .then(|| (f64::from(strongest.0 / length), f64::from(strongest.1 / length)))
+}
+
+/// The places with most directions, at least a radius from one another.
+fn peaks(look: &Look, votes: &Raster<u32>, radius: f64) -> Vec<(f64, f64, u32)> {
+    let mut places = Vec::new();
+    for row in 0..votes.height() {
+        for (column, vote) in votes.row(row).iter().enumerate() {
+            if vote.count_ones() >= LEAST_DIRECTIONS && look.on_arena(column, row) {
+                // Neighbours break ties: the middle of a patch of equal counts is the centre.
+                let mut around = 0;
+                for (i, j) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                    around +=
+                        votes.get(column as i64 + i, row as i64 + j).unwrap_or(0).count_ones();
+                }
+                places.push((8 * vote.count_ones() + around, column as f64, row as f64));
+            }
+        }
+    }
+    places.sort_by_key(|place| std::cmp::Reverse(place.0));
+    let mut found: Vec<(f64, f64, u32)> = Vec::new();
+    for (count, x, y) in places {
+        if found.len() < MOST_CENTRES
+            && found.iter().all(|other| (other.0 - x).hypot(other.1 - y) > 0.7 * radius)
+        {
+            found.push((x, y, (count / 8).min(DIRECTIONS)));
+        }
+    }
+    found
+}
+
+/// The circle through the steps of light around a rough centre: centre and radius, metres.
+fn circle(
+    photo: &Photo,
+    map: &PlanMap,
+    look: &Look,
+    rough: Point,
+    radius: f64,
+) -> Option<(Point, f64)> {
+    const RAYS: usize = 48;
+    const SAMPLES: usize = 41;
+    let (mut centre, mut fitted) = (rough, radius);
+    for reach in [0.25, 0.15, 0.12] {
+        let mut points = Vec::with_capacity(RAYS);
+        for ray in 0..RAYS {
+            let angle = TAU * ray as f64 / RAYS as f64;
+            let distance =
+                |index: f64| fitted * (1.0 - reach + 2.0 * reach * index / (SAMPLES - 1) as f64);
+            let point = |index: f64| {
+                Point::new(
+                    centre.x + distance(index) * angle.cos(),
+                    centre.y + distance(index) * angle.sin(),
+                )
+            };
+            let lights: Vec<_> =
+                (0..SAMPLES).map(|i| photo.light(map.to_photo(point(i as f64)))).collect();
+            points.extend(step(&lights, None).map(point));
+        }
+        let (next, size) = robust_circle(&points, centre, fitted, 2.0 / look.frame.scale)?;
+        (centre, fitted) = (next, size);
+    }
+    let near =
+        centre.distance(rough) < 0.4 * radius && (0.93 * radius..1.07 * radius).contains(&fitted);
+    near.then_some((centre, fitted))
+}
+
+/// Least squares for centre and radius over the points within `width` of the circle, metres.
+fn robust_circle(
+    points: &[Point],
+    mut centre: Point,
+    mut radius: f64,
+    width: f64,
+) -> Option<(Point, f64)> {
+    for round in 0..6 {
+        let width = width * f64::from(6 - round).max(1.0) / 2.0;
+        let mut normal = nalgebra::Matrix3::<f64>::identity() * 1e-9;
+        let mut right = nalgebra::Vector3::<f64>::zeros();
+        for point in points {
+            let (dx, dy) = (point.x - centre.x, point.y - centre.y);
+            let distance = dx.hypot(dy).max(1e-9);
+            let error = distance - radius;
+            if error.abs() < width {
+                let weight = (1.0 - (error / width).powi(2)).powi(2);
+                let row = nalgebra::Vector3::new(dx / distance, dy / distance, 1.0);
+                normal += weight * row * row.transpose();
+                right += weight * error * row;
+            }
+        }
+        let change = normal.cholesky()?.solve(&right);
+        centre = Point::new(centre.x + change.x, centre.y + change.y);
+        radius += change.z;
+    }
+    (radius.is_finite() && radius > 0.0).then_some((centre, radius))
+}
+
+/// The heading whose triangle splits the disc's colours best, and the share of variance it explains.
+fn heading(
+    photo: &Photo,
+    map: &PlanMap,
+    look: &Look,
+    centre: Point,
+    radius: f64,
+) -> Option<(f64, f64)> {
+    const GRID: i32 = 18;
+    let mut places = Vec::new();
+    for j in -GRID..=GRID {
+        for i in -GRID..=GRID {
+            let (x, y) =
+                (0.88 * f64::from(i) / f64::from(GRID), 0.88 * f64::from(j) / f64::from(GRID));
+            if x.hypot(y) < 0.88 {
+                let light = photo
+                    .light(map.to_photo(Point::new(centre.x + x * radius, centre.y + y * radius)));
+                let seen = super::floor::feature(light);
+                places.push((x, y, [0, 1, 2].map(|part| seen[part] / look.floor.spread[part])));
+            }
+        }
+    }
+    let best = |from: f64, step: f64, count: usize| {
+        let tried = (0..count)
+            .map(|i| from + step * i as f64)
+            .map(|angle| (angle, explained(&places, angle)));
+        tried.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let (rough, _) = best(-PI, TAU / HEADINGS as f64, HEADINGS)?;
+    let (fine, _) = best(rough - 0.07, 0.01, 15)?;
+    let (finest, share) = best(fine - 0.01, 0.002, 11)?;
+    Some((wrapped(finest), share))
+}
+
+/// The share of the variance that a triangle of one colour on a disc of another explains.
+fn explained(places: &[(f64, f64, Feature)], heading: f64) -> f64 {
+    let (sin, cos) = heading.sin_cos();
+    let mut sums = [[0f64; 3]; 2];
+    let mut counts = [0f64; 2];
+    let mut squares = 0.0;
+    for &(x, y, seen) in places {
+        let (ahead, aside) = (x * cos + y * sin, y * cos - x * sin);
+        let half = HALF_BASE * (APEX - ahead) / (APEX - BASE);
+        let part = usize::from(ahead > BASE && aside.abs() < half);
+        counts[part] += 1.0;
+        for (sum, value) in sums[part].iter_mut().zip(seen) {
+            *sum += f64::from(value);
+            squares += f64::from(value) * f64::from(value);
+        }
+    }
+    let total: f64 = counts.iter().sum();
+    let mean = |axis: usize| (sums[0][axis] + sums[1][axis]) / total.max(1.0);
+    let common: f64 = (0..3).map(|axis| total * mean(axis).powi(2)).sum();
+    let split: f64 = (0..3)
+        .map(|axis| {
+            (0..2).map(|part| sums[part][axis].powi(2) / counts[part].max(1.0)).sum::<f64>()
+        })
+        .sum();
+    (split - common) / (squares - common).max(total)
+}
+
+/// The same direction in (-π, π].
+fn wrapped(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Arena;
+
+    const ARENA: Arena = Arena { width: 1.5, height: 1.2 };
+
+    /// A white floor at 200 pixels a metre with a grey robot and a dark box, drawn with 4 × 4 samples.
+    fn drawn(pose: Option<(Point, f64)>) -> (Photo, PlanMap) {
+        let colour = |p: Point| {
+            if p.x < 0.3 && p.y > 0.8 {
+                return 20.0;
+            }
+            let Some((centre, heading)) = pose else { return 230.0 };
+            let (dx, dy) = ((p.x - centre.x) / 0.075, (p.y - centre.y) / 0.075);
+            let (ahead, aside) =
+                (dx * heading.cos() + dy * heading.sin(), dy * heading.cos() - dx * heading.sin());
+            let half = HALF_BASE * (APEX - ahead) / (APEX - BASE);
+            match dx.hypot(dy) < 1.0 {
+                true if ahead > BASE && aside.abs() < half => 60.0,
+                true => 190.0,
+                false => 230.0,
+            }
+        };
+        let pixel = |i: usize| {
+            let sum: f64 = (0..16)
+                .map(|s| {
+                    colour(Point::new(
+                        ((i % 300) as f64 + (s % 4) as f64 / 4.0) / 200.0,
+                        1.2 - ((i / 300) as f64 + (s / 4) as f64 / 4.0) / 200.0,
+                    ))
+                })
+                .sum();
+            [(sum / 16.0) as u8; 3]
+        };
+        let photo = Photo::from_rgb(300, 240, (0..300 * 240).map(pixel).collect()).unwrap();
+        let corners = [[-0.375, 239.625], [299.625, 239.625], [299.625, -0.375], [-0.375, -0.375]];
+        let map = PlanMap::from_corners(&photo, ARENA, corners, 0.0).unwrap();
+        (photo, map)
+    }
+
+    #[test]
+    fn the_pose_is_found_to_a_millimetre_and_a_degree() {
+        let (photo, map) = drawn(Some((Point::new(0.7, 0.5), 2.1)));
+        let look = Look::at(&photo, &map, ARENA).unwrap();
+        let robot = find(&photo, &map, &look, 0.075).unwrap();
+        assert!(robot.centre.distance(Point::new(0.7, 0.5)) < 1e-3, "{robot:?}");
+        assert!(
+            (robot.heading - 2.1).abs() < 0.02 && (robot.radius - 0.075).abs() < 1e-3,
+            "{robot:?}"
+        );
+    }
+
+    #[test]
+    fn a_box_is_no_robot() {
+        let (photo, map) = drawn(None);
+        let look = Look::at(&photo, &map, ARENA).unwrap();
+        assert_eq!(find(&photo, &map, &look, 0.075), None);
+    }
+}
