@@ -4,3 +4,4 @@ mod floor;
 pub mod grid;
 pub mod plan;
 pub mod svg;
+pub mod vision;
