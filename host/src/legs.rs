@@ -110,6 +110,24 @@ pub fn planned_end(legs: &[Leg], limits: &Limits) -> Option<Pose> {
     legs.last().map(|leg| from_wire(leg.intervals(limits)[2].end()))
 }
 
+/// Where the robot is to be at every tenth tick of `legs`: seconds and poses, first and last included.
+pub fn planned_poses(legs: &[Leg], limits: &Limits) -> Vec<(f64, Pose)> {
+    const EVERY: usize = 10;
+    let tick = f64::from(motion::TICK_MILLISECONDS) / 1000.0;
+    let mut poses = Vec::new();
+    let mut began = 0;
+    for motion in legs.iter().flat_map(|leg| leg.intervals(limits)) {
+        let ticks = motion.profile.ticks();
+        let inner = (0..ticks).step_by(EVERY).chain([ticks]);
+        poses.extend(inner.map(|at| {
+            let pose = from_wire(motion.pose_at(at * motion::PHASES_PER_TICK));
+            (f64::from(began + at) * tick, pose)
+        }));
+        began += ticks;
+    }
+    poses
+}
+
 /// A robot's pose in the host's numbers.
 pub fn from_wire(pose: motion::Pose) -> Pose {
     Pose::new(pose.x.0.into(), pose.y.0.into(), pose.heading.0.into())

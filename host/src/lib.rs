@@ -16,5 +16,6 @@ pub mod legs;
 pub mod link;
 pub mod picture;
 pub mod plan;
+pub mod plan_file;
 pub mod scene;
 pub mod vision;

@@ -1,3 +1,7 @@
-//! The `wmr` command line.
+//! The `wmr` command line: a thin layer over the library and the simulator.
 
-fn main() {}
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

@@ -115,7 +115,11 @@ impl Scene {
         Ok(scene)
     }
 
-    fn check(&self) -> Result<(), SceneError> {
+    /// Makes sure that every number makes sense; [`from_json`](Self::from_json) has done so.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the first that does not.
+    pub fn check(&self) -> Result<(), SceneError> {
         positive("arena.width", self.arena.width)?;
         positive("arena.height", self.arena.height)?;
         if !(self.robot_radius >= 0.0 && self.robot_radius.is_finite()) {
@@ -124,6 +128,14 @@ impl Scene {
                 value: self.robot_radius,
                 need: "it must be at least 0 and finite",
             });
+        }
+        let start = self.start.map(|pose| [pose.position.x, pose.position.y, pose.heading]);
+        let goal =
+            self.goal.map(|goal| [goal.position.x, goal.position.y, goal.heading.unwrap_or(0.0)]);
+        for (what, numbers) in [("start", start), ("goal", goal)] {
+            if let Some(&value) = numbers.iter().flatten().find(|value| !value.is_finite()) {
+                return Err(SceneError::Value { what, value, need: "it must be finite" });
+            }
         }
         for rect in &self.obstacles {
             ordered("an obstacle's right edge", rect.x0, rect.x1)?;

@@ -1,7 +1,8 @@
-//! Draws what each stage of the flow saw, as SVG.
+//! Draws what each stage of the flow saw, as SVG and PNG.
 
 mod floor;
 pub mod grid;
+pub mod motion;
 pub mod plan;
 pub mod svg;
 pub mod vision;

@@ -25,6 +25,8 @@ text{font-family:'DejaVu Sans','Segoe UI',Helvetica,Arial,sans-serif;fill:#2b2f3
 .node{fill:#ffffff;stroke:#8a919d;stroke-width:1.2}.best-node{fill:#1f6fd6;stroke:#1f6fd6}\
 .on-dark{fill:#ffffff}.path{fill:none;stroke:#1f6fd6;stroke-width:3.5;stroke-linejoin:round}\
 .local{fill:none;stroke:#1f6fd6;stroke-width:1.4;stroke-dasharray:3 4}\
+.planned{fill:none;stroke:#8a919d;stroke-width:2;stroke-dasharray:6 4}\
+.measured{fill:none;stroke:#1f6fd6;stroke-width:2}.scale{stroke:#dedbd3;stroke-width:1;fill:none}\
 .kept{fill:#1f6fd6}.dropped{fill:#ffffff;stroke:#1f6fd6;stroke-width:1.4}\
 .start{fill:#2e9e5b;stroke:#ffffff;stroke-width:1.5}.goal{fill:#d64533;stroke:#ffffff;stroke-width:1.5}";
 

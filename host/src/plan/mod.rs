@@ -41,6 +41,16 @@ pub enum Planner {
     Tree,
 }
 
+impl Planner {
+    /// The planner's name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::Tree => "tree",
+        }
+    }
+}
+
 /// What to plan with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanOptions {

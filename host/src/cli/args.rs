@@ -1,0 +1,196 @@
+//! The words of the command line.
+
+use super::quantity;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use host::geometry::Arena;
+use host::scene::Goal;
+use std::path::PathBuf;
+
+/// From a photo of an arena to a robot that drives through it without touching anything.
+///
+/// Lengths are metres, angles degrees; suffixes mm, cm, m, deg and rad are understood.
+#[derive(Debug, Parser)]
+#[command(name = "wmr", version, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print exactly one JSON document on standard output, errors too.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Say nothing on standard error but errors.
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Drive a simulated robot through a photographed arena, without any hardware.
+    Demo(DemoArgs),
+    /// Find arena, obstacles and robot in a photo.
+    Detect(DetectArgs),
+    /// Find the way from start to goal.
+    Plan(PlanArgs),
+    /// Drive a robot, real or simulated, along a plan.
+    Drive(DriveArgs),
+    /// Be a simulated robot for any program that speaks to a serial port.
+    Sim(SimArgs),
+    /// List the serial ports, and which of them is a robot.
+    Ports,
+    /// Ask the robot behind a port who it is.
+    Info(PortArgs),
+    /// Stop the robot behind a port; it stays stopped until it is told to drive.
+    Stop(PortArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Where pictures and log go.
+    #[arg(long, default_value = "wmr-out", value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_DEMO_PORT", default_value = "sim")]
+    pub(crate) port: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DetectArgs {
+    /// An overhead picture of the arena, PNG or JPEG.
+    pub(crate) photo: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    /// Radius of the disc that covers the robot.
+    #[arg(long, value_parser = quantity::distance, default_value = "0.075", value_name = "R")]
+    pub(crate) radius: f64,
+    /// Draw each step into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) steps: Option<PathBuf>,
+}
+
+/// How a photo is read.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct VisionArgs {
+    /// Inner size of the arena, such as 1.6x2.0; needed for a photo.
+    #[arg(long, value_parser = quantity::arena, value_name = "WxH")]
+    pub(crate) arena: Option<Arena>,
+    /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
+    #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
+    pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// How obstacles are found.
+    #[arg(long, value_enum, default_value_t = MethodName::Robust)]
+    pub(crate) method: MethodName,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Against uneven light, shadows and coloured floors.
+    #[default]
+    Robust,
+    /// The paper's own steps.
+    Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArgs {
+    /// A photo (PNG, JPEG), a scene (JSON) or a map.
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    #[command(flatten)]
+    pub(crate) way: WayArgs,
+    /// Write the plan to this file, for wmr drive.
+    #[arg(short, long, value_name = "PLAN")]
+    pub(crate) output: Option<PathBuf>,
+    /// Draw each step into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) steps: Option<PathBuf>,
+}
+
+/// Which way is looked for.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct WayArgs {
+    /// Where the robot stands: x,y or x,y,heading.
+    #[arg(long, value_parser = quantity::place, allow_hyphen_values = true, value_name = "x,y[,deg]")]
+    pub(crate) start: Option<Goal>,
+    /// Where it is to go: x,y or x,y,heading.
+    #[arg(long, value_parser = quantity::place, allow_hyphen_values = true, value_name = "x,y[,deg]")]
+    pub(crate) goal: Option<Goal>,
+    /// Radius of the disc that covers the robot [default: the input's, or 0.075].
+    #[arg(long, value_parser = quantity::distance, value_name = "R")]
+    pub(crate) radius: Option<f64>,
+    /// Distance to keep beyond the radius [default: 0; drive: 10 mm where there is room].
+    #[arg(long, value_parser = quantity::distance, value_name = "M")]
+    pub(crate) margin: Option<f64>,
+    /// How the way is looked for.
+    #[arg(long, value_enum, default_value_t = PlannerName::Grid)]
+    pub(crate) planner: PlannerName,
+    /// How the time of a leg is chosen.
+    #[arg(long, value_enum, default_value_t = TimingName::Limits)]
+    pub(crate) timing: TimingName,
+    /// With --timing paper: how long each leg takes, seconds.
+    #[arg(long, value_parser = quantity::seconds, default_value = "9", value_name = "SECONDS")]
+    pub(crate) leg_time: f64,
+    /// Never drive backwards; with --timing paper it never does.
+    #[arg(long)]
+    pub(crate) no_reverse: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlannerName {
+    /// The paper's grid method: Dijkstra over areas and their entry points.
+    Grid,
+    /// The paper's tree of all global paths.
+    Tree,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TimingName {
+    /// As short as the wheels' limits allow.
+    Limits,
+    /// Three equal intervals, as in the paper.
+    Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DriveArgs {
+    /// A plan, a photo, or a scene.
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    #[command(flatten)]
+    pub(crate) way: WayArgs,
+    /// auto, sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// Write photo, scene, plan, run and pictures into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) log: Option<PathBuf>,
+    /// Which of many slightly different robots is simulated.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) sim_seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SimArgs {
+    /// Offer a pseudo-terminal under this name (Unix).
+    #[arg(long, value_name = "LINK", conflicts_with = "tcp", required_unless_present = "tcp")]
+    pub(crate) pty: Option<PathBuf>,
+    /// Offer a socket at this address, such as 127.0.0.1:7071.
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) tcp: Option<String>,
+    /// Run this flashed binary in an emulator instead of the robot's logic alone.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) elf: Option<PathBuf>,
+    /// The arena around the robot, and where it starts; without it the floor is endless.
+    #[arg(long, value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Which of many slightly different robots it is.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PortArgs {
+    /// auto, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+}

@@ -1,0 +1,52 @@
+//! `wmr demo`: the whole way at once, without any hardware.
+
+use super::args::{DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
+use super::drive::{arrived, describe_run, drive_way};
+use super::error::CliError;
+use super::folder::Folder;
+use super::input::{self, Input, Sight};
+use super::output::Output;
+use super::way::{self, MarginRule};
+use super::{detect, plan};
+use host::geometry::{Arena, Point};
+use host::scene::Goal;
+
+/// A ray-traced picture of an arena with eight boxes and the robot.
+const PHOTO: &[u8] = include_bytes!("../../assets/demo.png");
+/// The inner size of that arena, metres.
+const ARENA: Arena = Arena { width: 1.3, height: 1.55 };
+/// Where the robot is to go there, metres.
+const GOAL: Point = Point::new(0.996, 0.229);
+/// Which of many slightly different robots drives.
+const SEED: u64 = 1;
+
+/// Runs the demo; an error unless the goal is reached.
+pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
+    let vision = VisionArgs { arena: Some(ARENA), corners: None, method: MethodName::Robust };
+    let way_args = WayArgs {
+        start: None,
+        goal: Some(Goal { position: GOAL, heading: None }),
+        radius: None,
+        margin: None,
+        planner: PlannerName::Grid,
+        timing: TimingName::Limits,
+        leg_time: 9.0,
+        no_reverse: false,
+    };
+    output.say(&format!("1. photo: {} × {} m arena, seen from above", ARENA.width, ARENA.height));
+    let seen = input::see(PHOTO.to_vec(), &vision, Sight { radius: None, keep_steps: true })?;
+    output.say(detect::describe(&seen).trim_end());
+    let input = Input::Photo(Box::new(seen));
+    output.say("2. plan: the grid method");
+    let way = way::find(&input, &way_args, MarginRule::ForDriving, output)?;
+    output.say(plan::describe_way(&way).trim_end());
+    output.say(&format!("3. drive: robot at {}", args.port));
+    let run = drive_way(&way, &way_args, &args.port, SEED, output)?;
+    let folder = Folder::create(&args.out)?;
+    folder.input(&input, way.file.scene.robot_radius)?;
+    folder.plan(&way)?;
+    folder.run(&run)?;
+    output.result(&run.document(), &describe_run(&run));
+    output.say(&format!("pictures and log: {}", args.out.display()));
+    arrived(&run)
+}

@@ -1,0 +1,74 @@
+//! `wmr detect`: arena, obstacles and robot in a photo.
+
+use super::args::DetectArgs;
+use super::error::{CliError, Exit};
+use super::folder::Folder;
+use super::input::{self, SeenPhoto, Sight};
+use super::output::Output;
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// `wmr detect`.
+pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
+    let bytes = input::read_bytes(&args.photo)?;
+    if bytes.is_empty() {
+        let message = format!("{} is empty", args.photo.display());
+        return Err(CliError::new(Exit::File, "file.empty", message, "give a photo, PNG or JPEG"));
+    }
+    let seen = input::see(
+        bytes,
+        &args.vision,
+        Sight { radius: Some(args.radius), keep_steps: args.steps.is_some() },
+    )?;
+    if let Some(folder) = &args.steps {
+        Folder::create(folder)?.vision(&seen, args.radius)?;
+    }
+    output.result(&detection_document(&seen, args.radius), &describe(&seen));
+    Ok(())
+}
+
+fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
+    let detection = &seen.detection;
+    let mut document = json!(seen.scene(Some(radius)));
+    if let Some(fields) = document.as_object_mut() {
+        fields.insert("margins".into(), json!(detection.margins));
+        fields.insert("corners_px".into(), json!(detection.corners_px));
+        fields.insert("robot".into(), json!(detection.robot));
+        fields.insert("confidence".into(), json!(detection.confidence));
+        fields.insert("warnings".into(), json!(detection.warnings));
+        let timing = json!({"decode": milliseconds(seen.decode_time), "detect": milliseconds(seen.detect_time)});
+        fields.insert("timing_ms".into(), timing);
+    }
+    document
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1000.0
+}
+
+/// What was seen, for people.
+pub(crate) fn describe(seen: &SeenPhoto) -> String {
+    let detection = &seen.detection;
+    let mut text = format!(
+        "{} obstacles, confidence {:.2}, {:.0} ms\n",
+        detection.obstacles.len(),
+        detection.confidence,
+        milliseconds(seen.decode_time + seen.detect_time),
+    );
+    for (index, rect) in detection.obstacles.iter().enumerate() {
+        text += &format!(
+            "  {}: x {:.3} to {:.3} m, y {:.3} to {:.3} m\n",
+            index + 1,
+            rect.x0,
+            rect.x1,
+            rect.y0,
+            rect.y1
+        );
+    }
+    match detection.robot {
+        Some(pose) => text += &format!("robot at {}\n", super::mission::place(pose)),
+        None => text += "no robot seen\n",
+    }
+    detection.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
+    text
+}

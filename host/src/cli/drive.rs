@@ -1,0 +1,91 @@
+//! `wmr drive`: a robot, real or simulated, along a plan.
+
+use super::args::{DriveArgs, TimingName, WayArgs};
+use super::endpoint::{self, SimulatedRobot, SimulatedWorld};
+use super::error::{CliError, Exit};
+use super::folder::Folder;
+use super::input::{self, Sight};
+use super::mission::{self, Run, place};
+use super::output::Output;
+use super::way::{self, MarginRule, PlannedWay};
+use host::geometry::{Point, Pose};
+
+/// `wmr drive`.
+pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
+    let input = input::read(
+        &args.input,
+        &args.vision,
+        Sight { radius: args.way.radius, keep_steps: args.log.is_some() },
+    )?;
+    let way = way::find(&input, &args.way, MarginRule::ForDriving, output)?;
+    let run = drive_way(&way, &args.way, &args.port, args.sim_seed, output)?;
+    if let Some(folder) = &args.log {
+        let folder = Folder::create(folder)?;
+        folder.input(&input, way.file.scene.robot_radius)?;
+        folder.plan(&way)?;
+        folder.run(&run)?;
+    }
+    output.result(&run.document(), &describe_run(&run));
+    arrived(&run)
+}
+
+/// Drives a way on the port of that name.
+pub(crate) fn drive_way(
+    way: &PlannedWay,
+    args: &WayArgs,
+    port: &str,
+    seed: u64,
+    output: Output,
+) -> Result<Run, CliError> {
+    let file = &way.file;
+    let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
+    let start = Pose { position: first, heading: file.start_heading() };
+    let world = SimulatedWorld::new(&file.scene, start, seed);
+    let robot = match args.timing {
+        TimingName::Limits => SimulatedRobot::Default,
+        TimingName::Paper => SimulatedRobot::Paper,
+    };
+    let endpoint = endpoint::open(port, world, robot)?;
+    mission::drive(endpoint, start, |limits| way::legs_of(file, args, limits), output)
+}
+
+/// An error if the robot says that it is done, but is not where it should be.
+pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
+    if run.reached() {
+        return Ok(());
+    }
+    let (position, heading) = run.error();
+    let message = format!(
+        "the robot ended {:.0} mm and {:.1}° from its goal",
+        position * 1000.0,
+        heading.to_degrees()
+    );
+    Err(CliError::new(
+        Exit::Robot,
+        "robot.missed",
+        message,
+        "look for slipping wheels, then drive again",
+    ))
+}
+
+/// A run, for people.
+pub(crate) fn describe_run(run: &Run) -> String {
+    let (position, heading) = run.error();
+    let known = if run.truth.is_some() { "true" } else { "measured" };
+    let mut text = format!(
+        "{} legs in {:.2} s; {known} end pose {}, {:.1} mm and {:.2}° from the goal\n",
+        run.results.len(),
+        run.duration(),
+        place(run.best_pose()),
+        position * 1000.0,
+        heading.to_degrees()
+    );
+    if let Some(encounters) = run.truth.and_then(|truth| truth.encounters) {
+        text += &format!(
+            "{} collisions; smallest gap beside the robot {:.0} mm\n",
+            encounters.collisions,
+            encounters.min_clearance * 1000.0
+        );
+    }
+    text
+}

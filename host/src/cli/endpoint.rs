@@ -1,0 +1,146 @@
+//! Where a robot is: behind a port, or simulated. One loop drives them all, each on its own time.
+
+use super::error::CliError;
+use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+use hil_sim::in_process::{InProcess, paper_robot};
+use hil_sim::simulation::{Brain, Simulation, Truth};
+use hil_sim::world::World;
+use host::geometry::Pose;
+use host::link::port::{self, Wire};
+use host::scene::Scene;
+use std::io::{self, Read, Write};
+use std::time::{Duration, Instant};
+
+/// A way to a robot, with the clock that goes with it.
+pub(crate) trait Endpoint: Read + Write {
+    /// Time since it was opened.
+    fn now(&self) -> Duration;
+    /// Lets some time pass.
+    fn wait(&mut self, duration: Duration) -> io::Result<()>;
+    /// What really happened, if anybody knows.
+    fn truth(&self) -> Option<Truth>;
+    /// A number that tells this connection from others.
+    fn nonce(&self) -> u32;
+}
+
+impl<B: Brain> Endpoint for Simulation<B> {
+    fn now(&self) -> Duration {
+        Simulation::now(self)
+    }
+
+    fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        Simulation::wait(self, duration)
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        Some(Simulation::truth(self))
+    }
+
+    /// Always the same, so that a simulated run is the same every time.
+    fn nonce(&self) -> u32 {
+        1
+    }
+}
+
+/// A real port and the clock on the wall.
+#[derive(Debug)]
+struct RealPort {
+    wire: Wire,
+    opened: Instant,
+}
+
+impl Read for RealPort {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.wire.read(buffer)
+    }
+}
+
+impl Write for RealPort {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.wire.write(buffer)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.wire.flush()
+    }
+}
+
+impl Endpoint for RealPort {
+    fn now(&self) -> Duration {
+        self.opened.elapsed()
+    }
+
+    fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        std::thread::sleep(duration);
+        Ok(())
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    fn nonce(&self) -> u32 {
+        // The system's random seed of hash maps: differs from process to process, without a crate for it.
+        use std::hash::{BuildHasher, RandomState};
+        RandomState::new().hash_one(0) as u32
+    }
+}
+
+/// Which robot `sim` is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SimulatedRobot {
+    Default,
+    /// The paper's, which is faster; for `--timing paper`.
+    Paper,
+}
+
+/// What a simulated robot stands in.
+#[derive(Clone, Debug)]
+pub(crate) struct SimulatedWorld {
+    pub(crate) world: Option<World>,
+    pub(crate) start: TruePose,
+    pub(crate) seed: u64,
+}
+
+impl SimulatedWorld {
+    /// The world of `scene`, with the robot at `start`.
+    pub(crate) fn new(scene: &Scene, start: Pose, seed: u64) -> Self {
+        let world = World {
+            size: [scene.arena.width, scene.arena.height],
+            boxes: scene.obstacles.iter().map(|rect| <[f64; 4]>::from(*rect)).collect(),
+            robot_radius: scene.robot_radius,
+        };
+        let start = TruePose { x: start.position.x, y: start.position.y, heading: start.heading };
+        Self { world: Some(world), start, seed }
+    }
+
+    /// `brain` on `base` in this world.
+    pub(crate) fn with<B: Brain>(self, brain: B, base: BaseParameters) -> Simulation<B> {
+        Simulation::new(brain, WheeledBase::new(base, self.start), self.world)
+    }
+
+    fn robot(self, robot: SimulatedRobot) -> Simulation<InProcess> {
+        let seed = self.seed;
+        match robot {
+            SimulatedRobot::Default => {
+                self.with(InProcess::default(), BaseParameters::seeded(seed))
+            }
+            SimulatedRobot::Paper => {
+                self.with(InProcess::new(paper_robot(), 1), BaseParameters::paper(seed))
+            }
+        }
+    }
+}
+
+/// Opens the port of that name; `simulated` is the world and `robot` the robot for `sim`.
+pub(crate) fn open(
+    name: &str,
+    simulated: SimulatedWorld,
+    robot: SimulatedRobot,
+) -> Result<Box<dyn Endpoint>, CliError> {
+    if name == "sim" {
+        return Ok(Box::new(simulated.robot(robot)));
+    }
+    let wire = port::open(name)?;
+    Ok(Box::new(RealPort { wire, opened: Instant::now() }))
+}

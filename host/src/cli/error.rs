@@ -1,0 +1,188 @@
+//! What the command line says when something fails: what, why, and what to type next.
+
+use host::link::LinkError;
+use host::link::mission::MissionError;
+use host::link::port::PortError;
+use host::plan::PlanError;
+use host::plan_file::PlanFileError;
+use host::scene::SceneError;
+use host::vision::VisionError;
+use serde_json::json;
+use std::fmt::Display;
+
+/// How the program ends; other programs rely on the numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// A bug of this program.
+    Bug = 1,
+    /// The command makes no sense.
+    Usage = 2,
+    /// A photo or file cannot be used.
+    File = 3,
+    /// There is no way to the goal.
+    NoPath = 4,
+    /// The port cannot be opened.
+    Port = 5,
+    /// The link failed.
+    Link = 6,
+    /// The robot stopped.
+    Robot = 7,
+    /// The user pressed Ctrl-C, and the robot has stopped.
+    Interrupted = 130,
+}
+
+/// One failure.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CliError {
+    pub(crate) exit: Exit,
+    /// A stable name for programs: stage, dot, kind.
+    pub(crate) code: String,
+    pub(crate) message: String,
+    pub(crate) help: String,
+}
+
+impl CliError {
+    pub(crate) fn new(exit: Exit, code: &str, message: impl Display, help: impl Display) -> Self {
+        Self { exit, code: code.into(), message: message.to_string(), help: help.to_string() }
+    }
+
+    /// An error of the library: its text says what, and after a semicolon what to do.
+    fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
+        let text = error.to_string();
+        match text.split_once("; ") {
+            Some((message, advice)) => Self::new(exit, code, message, advice),
+            None => Self::new(exit, code, text, help),
+        }
+    }
+
+    pub(crate) fn usage(message: impl Display, help: impl Display) -> Self {
+        Self::new(Exit::Usage, "usage", message, help)
+    }
+
+    /// The document that `--json` prints.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        json!({"error": {"code": self.code, "message": self.message, "help": self.help}})
+    }
+}
+
+impl From<VisionError> for CliError {
+    fn from(error: VisionError) -> Self {
+        let help = "take another photo, or describe the arena in a scene file";
+        Self::advised(Exit::File, "photo", &error, help)
+    }
+}
+
+impl From<SceneError> for CliError {
+    fn from(error: SceneError) -> Self {
+        Self::advised(Exit::File, "scene", &error, "see the README for the scene format")
+    }
+}
+
+impl From<PlanFileError> for CliError {
+    fn from(error: PlanFileError) -> Self {
+        let exit =
+            if matches!(error, PlanFileError::Touches { .. }) { Exit::NoPath } else { Exit::File };
+        Self::advised(exit, "plan.file", &error, "plan again with wmr plan")
+    }
+}
+
+impl From<PlanError> for CliError {
+    fn from(error: PlanError) -> Self {
+        let exit = match &error {
+            PlanError::Grid(_) => Exit::File,
+            PlanError::Unsafe { .. } => Exit::Bug,
+            _ => Exit::NoPath,
+        };
+        let help = "move an obstacle, or try a smaller --radius or --margin";
+        Self::advised(exit, &format!("plan.{}", error.code()), &error, help)
+    }
+}
+
+impl From<PortError> for CliError {
+    fn from(error: PortError) -> Self {
+        let (code, help) = match &error {
+            PortError::Missing { .. } => (
+                "port.missing",
+                "wmr ports lists what is there; without a robot: --port sim".to_owned(),
+            ),
+            PortError::Busy { name } => (
+                "port.busy",
+                format!(
+                    "close the other program (a serial monitor? a second wmr?); fuser -v {name} names it"
+                ),
+            ),
+            PortError::Denied { .. } => {
+                ("port.denied", "sudo usermod -aG dialout $USER, then log out and in".to_owned())
+            }
+            PortError::NotOne { found: 0, .. } => (
+                "port.none",
+                "plug the robot in with a data cable, or try without one: --port sim".to_owned(),
+            ),
+            PortError::NotOne { .. } => {
+                ("port.several", "choose one with --port; wmr ports lists them".to_owned())
+            }
+            PortError::Other { .. } => ("port.other", "wmr ports lists what is there".to_owned()),
+        };
+        Self::new(Exit::Port, code, error, help)
+    }
+}
+
+impl From<LinkError> for CliError {
+    fn from(error: LinkError) -> Self {
+        let (code, help) = match &error {
+            LinkError::Port(_) | LinkError::Lost(_) => {
+                ("link.lost", "check the cable, then drive again")
+            }
+            LinkError::Silent(_) => (
+                "link.silent",
+                "is it the right port, and does a robot with wmr firmware listen there?",
+            ),
+            LinkError::Version { .. } => {
+                ("link.version", "flash the firmware that belongs to this program")
+            }
+            LinkError::Restarted => {
+                ("link.restarted", "check its battery, put it at the start, and drive again")
+            }
+        };
+        Self::new(Exit::Link, code, error, help)
+    }
+}
+
+impl From<MissionError> for CliError {
+    fn from(error: MissionError) -> Self {
+        match error {
+            MissionError::Link(error) => error.into(),
+            MissionError::Refused(_) | MissionError::TooManyLegs { .. } => Self::new(
+                Exit::Robot,
+                "robot.refused",
+                error,
+                "nothing has moved; change the plan and drive again",
+            ),
+            MissionError::Fault(_) => Self::new(
+                Exit::Robot,
+                "robot.fault",
+                error,
+                "free the robot, put it at the start, and drive again",
+            ),
+            MissionError::Stopped => Self::new(
+                Exit::Robot,
+                "robot.stopped",
+                error,
+                "put it at the start and drive again",
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_stands_after_the_semicolon() {
+        let error = CliError::from(PlanError::NoPath);
+        assert_eq!(error.exit, Exit::NoPath);
+        assert_eq!(error.code, "plan.no_path");
+        assert!(!error.help.is_empty() && !error.message.contains(';'), "{error:?}");
+    }
+}

@@ -1,0 +1,89 @@
+//! A folder of results: photo, scene, plan, run, and a picture of each step.
+
+use super::error::{CliError, Exit};
+use super::input::{Input, SeenPhoto};
+use super::mission::Run;
+use super::way::PlannedWay;
+use host::legs::{from_wire, planned_poses};
+use host::picture;
+use host::picture::motion::{TimedPose, motion_svg};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// An existing folder.
+#[derive(Debug)]
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    /// Creates the folder if need be; what is in it stays, but for files of the same names.
+    pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
+        std::fs::create_dir_all(path).map_err(|error| {
+            let message = format!("{}: {error}", path.display());
+            CliError::new(Exit::File, "file.write", message, "choose another folder")
+        })?;
+        Ok(Self(path.to_owned()))
+    }
+
+    /// Writes down what the command worked on.
+    pub(crate) fn input(&self, input: &Input, radius: f64) -> Result<(), CliError> {
+        match input {
+            Input::Photo(seen) => self.vision(seen, radius),
+            Input::Scene(_) | Input::Plan(_) => Ok(()),
+        }
+    }
+
+    /// Writes down a photo and the steps of seeing it.
+    pub(crate) fn vision(&self, seen: &SeenPhoto, radius: f64) -> Result<(), CliError> {
+        self.write("photo", &seen.bytes)?;
+        seen.pictures(radius)
+            .iter()
+            .try_for_each(|picture| self.write(picture.name, &picture.bytes))
+    }
+
+    /// Writes down a way and the steps of finding it.
+    pub(crate) fn plan(&self, way: &PlannedWay) -> Result<(), CliError> {
+        self.write("scene.json", format!("{}\n", json!(way.file.scene)).as_bytes())?;
+        self.write("plan.json", format!("{}\n", json!(way.file)).as_bytes())?;
+        let Some(plan) = &way.plan else { return Ok(()) };
+        let scene = &way.file.scene;
+        if let Some(stages) = &plan.grid {
+            self.write("10_border_lines.svg", picture::grid::border_lines(scene, stages).as_bytes())?;
+            self.write("11_mini_matrix.svg", picture::grid::mini_matrix(scene, stages).as_bytes())?;
+            self.write(
+                "12_traps_closed.svg",
+                picture::grid::closed_traps(scene, stages).as_bytes(),
+            )?;
+            if let Some(tree) = &stages.tree {
+                self.write("13_tree.svg", picture::plan::path_tree(tree, stages).as_bytes())?;
+            }
+        }
+        self.write("14_path.svg", picture::plan::path(scene, plan).as_bytes())
+    }
+
+    /// Writes down a run.
+    pub(crate) fn run(&self, run: &Run) -> Result<(), CliError> {
+        let planned: Vec<_> = planned_poses(&run.legs, &run.limits)
+            .into_iter()
+            .map(|(time, pose)| TimedPose { time, pose })
+            .collect();
+        let measured: Vec<_> = run
+            .samples
+            .iter()
+            .map(|sample| TimedPose { time: sample.time, pose: from_wire(sample.telemetry.pose) })
+            .collect();
+        self.write("run.jsonl", run.lines().as_bytes())?;
+        self.write("15_motion.svg", motion_svg(&planned, &measured).as_bytes())
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {
+        write_file(&self.0.join(name), bytes)
+    }
+}
+
+/// Writes a file whole.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    std::fs::write(path, bytes).map_err(|error| {
+        let message = format!("{}: {error}", path.display());
+        CliError::new(Exit::File, "file.write", message, "choose another place")
+    })
+}

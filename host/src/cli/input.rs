@@ -1,0 +1,140 @@
+//! What a command works on: a photo, a scene or a plan, told apart by what the file holds.
+
+use super::args::{MethodName, VisionArgs};
+use super::error::{CliError, Exit};
+use host::geometry::Arena;
+use host::picture::vision::{NamedPicture, vision_pictures};
+use host::plan_file::PlanFile;
+use host::scene::{DEFAULT_ROBOT_RADIUS, Scene};
+use host::vision::{self, DetectOptions, Detection, Method};
+use std::io::ErrorKind;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// What a file holds.
+#[derive(Debug)]
+pub(crate) enum Input {
+    Photo(Box<SeenPhoto>),
+    Scene(Scene),
+    Plan(Box<PlanFile>),
+}
+
+/// A photo and what was seen in it.
+#[derive(Debug)]
+pub(crate) struct SeenPhoto {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) arena: Arena,
+    pub(crate) detection: Detection,
+    pub(crate) decode_time: Duration,
+    pub(crate) detect_time: Duration,
+}
+
+/// The largest file that is read: 40 megapixels of uncompressed PNG are far below.
+const LARGEST_FILE: u64 = 256 << 20;
+
+/// What the robot's disc is taken for, and whether the steps of seeing are to be drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    pub(crate) radius: Option<f64>,
+    pub(crate) keep_steps: bool,
+}
+
+/// Reads `path`, and if it is a photo, looks at it.
+pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Input, CliError> {
+    let bytes = read_bytes(path)?;
+    match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
+        None => Err(CliError::new(
+            Exit::File,
+            "file.empty",
+            format!("{} is empty", path.display()),
+            "give a photo (PNG or JPEG), a scene or a plan",
+        )),
+        Some(b'{') => read_json(path, &bytes),
+        Some(_) => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
+    }
+}
+
+/// Reads a file of bounded size.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    let failed = |error: std::io::Error| {
+        let help = match error.kind() {
+            ErrorKind::NotFound => "check the name; a path is relative to the current folder",
+            ErrorKind::PermissionDenied => "change the file's permissions",
+            _ => "give the name of a file",
+        };
+        CliError::new(Exit::File, "file.read", format!("{}: {error}", path.display()), help)
+    };
+    let size = std::fs::metadata(path).map_err(failed)?.len();
+    if size > LARGEST_FILE {
+        let message = format!(
+            "{} has {} MB; at most {} are read",
+            path.display(),
+            size >> 20,
+            LARGEST_FILE >> 20
+        );
+        return Err(CliError::new(Exit::File, "file.size", message, "scale the picture down"));
+    }
+    std::fs::read(path).map_err(failed)
+}
+
+fn read_json(path: &Path, bytes: &[u8]) -> Result<Input, CliError> {
+    let not_json = |error: &dyn std::fmt::Display| {
+        CliError::new(
+            Exit::File,
+            "file.json",
+            format!("{}: {error}", path.display()),
+            "give a scene or plan file as wmr writes them",
+        )
+    };
+    let text = std::str::from_utf8(bytes).map_err(|error| not_json(&error))?;
+    let value: serde_json::Value = serde_json::from_str(text).map_err(|error| not_json(&error))?;
+    let format = value.get("format").and_then(serde_json::Value::as_str).unwrap_or_default();
+    match format {
+        "wmr-plan/1" => Ok(Input::Plan(Box::new(PlanFile::from_json(text)?))),
+        "wmr-scene/1" | "wmr-arena/1" => Ok(Input::Scene(Scene::from_json(text)?)),
+        other => Err(not_json(&format!(
+            "its format is {other:?}, not wmr-scene/1, wmr-arena/1 or wmr-plan/1"
+        ))),
+    }
+}
+
+/// Decodes a photo and finds what is in it.
+pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<SeenPhoto, CliError> {
+    let started = Instant::now();
+    let photo = vision::decode(&bytes)?;
+    let decode_time = started.elapsed();
+    let arena = args.arena.ok_or_else(|| {
+        CliError::usage(
+            "a photo does not tell how large the arena is",
+            "add --arena WxH, its inner size in metres, such as --arena 1.6x2.0",
+        )
+    })?;
+    let options = DetectOptions {
+        method: match args.method {
+            MethodName::Robust => Method::Robust,
+            MethodName::Paper => Method::Paper,
+        },
+        corners: args.corners,
+        robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
+        keep_steps: sight.keep_steps,
+    };
+    let started = Instant::now();
+    let detection = vision::detect(&photo, arena, &options)?;
+    Ok(SeenPhoto { bytes, arena, detection, decode_time, detect_time: started.elapsed() })
+}
+
+impl SeenPhoto {
+    /// The scene that was seen.
+    pub(crate) fn scene(&self, radius: Option<f64>) -> Scene {
+        let mut scene = Scene::new(self.arena.width, self.arena.height);
+        scene.robot_radius = radius.unwrap_or(DEFAULT_ROBOT_RADIUS);
+        scene.obstacles.clone_from(&self.detection.obstacles);
+        scene.start = self.detection.robot;
+        scene
+    }
+
+    /// The steps of seeing, drawn; none unless they were kept.
+    pub(crate) fn pictures(&self, radius: f64) -> Vec<NamedPicture> {
+        vision_pictures(&self.detection, radius)
+    }
+}

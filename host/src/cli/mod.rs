@@ -1,0 +1,70 @@
+//! From the words of the command line to a result, an exit code and, if it failed, an error that helps.
+//!
+//! ```text
+//! args ─► input ─► way ─► mission ─► output, folder
+//! ```
+
+mod args;
+mod demo;
+mod detect;
+mod drive;
+mod endpoint;
+mod error;
+mod folder;
+mod input;
+mod mission;
+mod output;
+mod plan;
+mod ports;
+mod quantity;
+mod sim;
+mod way;
+
+use args::{Cli, Command};
+use clap::Parser;
+use clap::error::ErrorKind;
+use error::{CliError, Exit};
+use output::Output;
+use std::process::ExitCode;
+
+/// Runs the command that the process was started with.
+pub(crate) fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error),
+    };
+    let output = Output { json: cli.json, quiet: cli.quiet };
+    let result = match &cli.command {
+        Command::Demo(args) => demo::run(args, output),
+        Command::Detect(args) => detect::run(args, output),
+        Command::Plan(args) => plan::run(args, output),
+        Command::Drive(args) => drive::run(args, output),
+        Command::Sim(args) => sim::run(args, output),
+        Command::Ports => ports::list(output),
+        Command::Info(args) => ports::info(args, output),
+        Command::Stop(args) => ports::stop(args, output),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output.error(&error);
+            ExitCode::from(error.exit as u8)
+        }
+    }
+}
+
+/// Says what is wrong with the words themselves; help and version are not wrong.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let json = std::env::args().any(|word| word == "--json");
+    if json && !matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        let text = error.render().to_string();
+        let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        let error =
+            CliError::usage(message, "wmr --help, or wmr COMMAND --help, lists what is understood");
+        Output { json, quiet: true }.error(&error);
+        return ExitCode::from(Exit::Usage as u8);
+    }
+    // A closed pipe while printing help is nobody's error.
+    let _ = error.print();
+    ExitCode::from(error.exit_code() as u8)
+}

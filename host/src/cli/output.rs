@@ -1,0 +1,63 @@
+//! Data to standard output, talk to standard error.
+
+use super::error::CliError;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+/// How a command speaks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Output {
+    /// Exactly one JSON document on standard output, and no text for people there.
+    pub(crate) json: bool,
+    /// No talk.
+    pub(crate) quiet: bool,
+}
+
+impl Output {
+    /// Prints a command's result: `document` for programs, or `text` for people.
+    pub(crate) fn result(self, document: &impl serde::Serialize, text: &str) {
+        let line = if self.json { to_json(document) } else { text.trim_end().to_owned() };
+        print_line(&line);
+    }
+
+    /// Says something to the person at the terminal.
+    pub(crate) fn say(self, text: &str) {
+        if !self.quiet {
+            // Nobody reads it: nothing is lost.
+            let _ = writeln!(io::stderr(), "{text}");
+        }
+    }
+
+    /// Prints an error.
+    pub(crate) fn error(self, error: &CliError) {
+        if self.json {
+            print_line(&to_json(&error.json()));
+        } else {
+            let CliError { code, message, help, .. } = error;
+            let _ = writeln!(io::stderr(), "error[{code}]: {message}\nhelp: {help}");
+        }
+    }
+
+    /// A bar of `length` steps, hidden where nobody would see it move.
+    pub(crate) fn progress(self, length: u64) -> indicatif::ProgressBar {
+        if self.quiet || self.json || !io::stderr().is_terminal() {
+            return indicatif::ProgressBar::hidden();
+        }
+        indicatif::ProgressBar::new(length)
+    }
+}
+
+fn to_json(document: &impl serde::Serialize) -> String {
+    serde_json::to_string(document).unwrap_or_else(|error| {
+        format!(r#"{{"error":{{"code":"bug","message":"{error}","help":"please report it"}}}}"#)
+    })
+}
+
+/// Prints a line; a reader that has gone away, as after `| head`, is no error of ours.
+fn print_line(line: &str) {
+    match writeln!(io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let _ = writeln!(io::stderr(), "cannot write to standard output: {error}");
+        }
+        _ => {}
+    }
+}

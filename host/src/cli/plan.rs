@@ -1,0 +1,45 @@
+//! `wmr plan`: the way from start to goal.
+
+use super::args::PlanArgs;
+use super::error::CliError;
+use super::folder::{Folder, write_file};
+use super::input::{self, Sight};
+use super::output::Output;
+use super::way::{self, MarginRule, PlannedWay};
+use serde_json::json;
+
+/// `wmr plan`.
+pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
+    let input = input::read(
+        &args.input,
+        &args.vision,
+        Sight { radius: args.way.radius, keep_steps: args.steps.is_some() },
+    )?;
+    let way = way::find(&input, &args.way, MarginRule::AsAsked, output)?;
+    if let Some(path) = &args.output {
+        write_file(path, format!("{}\n", json!(way.file)).as_bytes())?;
+    }
+    if let Some(folder) = &args.steps {
+        let folder = Folder::create(folder)?;
+        folder.input(&input, way.file.scene.robot_radius)?;
+        folder.plan(&way)?;
+    }
+    output.result(&way.file, &describe_way(&way));
+    Ok(())
+}
+
+/// A way, for people.
+pub(crate) fn describe_way(way: &PlannedWay) -> String {
+    let file = &way.file;
+    let mut text = format!(
+        "{:.3} m in {} legs, {:.1} s; {:.0} mm from the robot's middle to the nearest obstacle or border\n",
+        file.length,
+        file.legs.len(),
+        file.duration,
+        file.clearance * 1000.0
+    );
+    for (index, point) in file.waypoints.iter().enumerate() {
+        text += &format!("  {}: ({:.3}, {:.3})\n", index, point.x, point.y);
+    }
+    text
+}

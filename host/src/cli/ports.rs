@@ -1,0 +1,97 @@
+//! `wmr ports`, `wmr info` and `wmr stop`: what is there, who it is, and stop.
+
+use super::args::PortArgs;
+use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
+use super::error::CliError;
+use super::mission;
+use super::output::Output;
+use hil_sim::base::TruePose;
+use host::legs;
+use host::link::{LinkClient, LinkError, port};
+use protocol::message::State;
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// `wmr ports`.
+pub(crate) fn list(output: Output) -> Result<(), CliError> {
+    let ports = port::list()?;
+    let document: Vec<Value> = ports
+        .iter()
+        .map(|info| {
+            let mut entry = json!({"name": info.port_name, "robot": port::is_robot(info)});
+            if let (serialport::SerialPortType::UsbPort(usb), Some(fields)) =
+                (&info.port_type, entry.as_object_mut())
+            {
+                fields.insert("vid".into(), json!(usb.vid));
+                fields.insert("pid".into(), json!(usb.pid));
+                fields.insert("product".into(), json!(usb.product));
+                fields.insert("serial".into(), json!(usb.serial_number));
+            }
+            entry
+        })
+        .collect();
+    let mut text = String::new();
+    for info in &ports {
+        let kind = if port::is_robot(info) { "a wmr robot" } else { "something else" };
+        text += &format!("{}  {kind}\n", info.port_name);
+    }
+    if ports.is_empty() {
+        text += "no serial ports; without a robot, use --port sim\n";
+    }
+    output.result(&json!({"ports": document}), &text);
+    Ok(())
+}
+
+/// `wmr info`.
+pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
+    let mut client = open_client(args)?;
+    mission::connect(&mut client)?;
+    let Some(robot) = client.robot() else { return Err(LinkError::Silent(Duration::ZERO).into()) };
+    let [major, minor, patch] = robot.firmware;
+    let board = format!("{:?}", robot.board);
+    let document = json!({
+        "board": board, "firmware": format!("{major}.{minor}.{patch}"), "protocol": robot.version,
+        "limits": {"speed": robot.limits.speed, "acceleration": robot.limits.acceleration, "track": robot.limits.track},
+        "max_legs": robot.max_legs,
+    });
+    let text = format!(
+        "{board}, firmware {major}.{minor}.{patch}, protocol {}; {} m/s, {} m/s², track {} m, {} legs a plan",
+        robot.version,
+        robot.limits.speed.0,
+        robot.limits.acceleration.0,
+        robot.limits.track.0,
+        robot.max_legs
+    );
+    output.result(&document, &text);
+    Ok(())
+}
+
+/// `wmr stop`.
+pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
+    mission::catch_interrupts();
+    let mut client = open_client(args)?;
+    mission::connect(&mut client)?;
+    client.stop();
+    loop {
+        let now = client.port_mut().now();
+        client.poll(now)?;
+        if let Some(telemetry) = client.telemetry()
+            && matches!(telemetry.state, State::Stopped | State::Faulted(_))
+        {
+            let pose = legs::from_wire(telemetry.pose);
+            output.result(
+                &json!({"state": mission::state_name(telemetry.state), "pose": pose}),
+                "stopped",
+            );
+            return Ok(());
+        }
+        client.port_mut().wait(Duration::from_millis(2)).map_err(LinkError::from)?;
+    }
+}
+
+fn open_client(args: &PortArgs) -> Result<LinkClient<Box<dyn Endpoint>>, CliError> {
+    let nowhere = SimulatedWorld { world: None, start: TruePose::default(), seed: 1 };
+    let endpoint = endpoint::open(&args.port, nowhere, SimulatedRobot::Default)?;
+    let nonce = endpoint.nonce();
+    Ok(LinkClient::new(endpoint, nonce))
+}

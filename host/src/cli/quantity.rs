@@ -1,0 +1,112 @@
+//! Numbers with units as a person types them: metres and degrees, or with a suffix.
+
+use host::geometry::{Arena, Point};
+use host::scene::Goal;
+
+const LENGTHS: [(&str, f64); 3] = [("mm", 0.001), ("cm", 0.01), ("m", 1.0)];
+const ANGLES: [(&str, f64); 2] = [("deg", std::f64::consts::PI / 180.0), ("rad", 1.0)];
+
+/// A length in metres from `0.3`, `0.3m`, `30cm` or `300mm`.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    scaled(text, &LENGTHS, 1.0)
+        .ok_or_else(|| format!("{text:?} is no length; write 0.3, 0.3m, 30cm or 300mm"))
+}
+
+/// A length that is not negative, metres.
+pub(crate) fn distance(text: &str) -> Result<f64, String> {
+    let metres = length(text)?;
+    if metres < 0.0 {
+        Err(format!("{text} is negative; a distance is 0 or more"))
+    } else {
+        Ok(metres)
+    }
+}
+
+/// An angle in radians from `90`, `90deg` or `1.57rad`.
+pub(crate) fn angle(text: &str) -> Result<f64, String> {
+    scaled(text, &ANGLES, ANGLES[0].1)
+        .ok_or_else(|| format!("{text:?} is no angle; write 90, 90deg or 1.57rad"))
+}
+
+/// A duration in seconds, above 0.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let value = scaled(text, &[("s", 1.0)], 1.0).filter(|value| *value > 0.0);
+    value
+        .ok_or_else(|| format!("{text:?} is no duration; write seconds above 0, such as 9 or 4.5s"))
+}
+
+/// An arena's size from `1.6x2.0` or `160cmx200cm`.
+pub(crate) fn arena(text: &str) -> Result<Arena, String> {
+    let parts = text.split_once(['x', '×']).and_then(|(width, height)| {
+        Some(Arena { width: length(width).ok()?, height: length(height).ok()? })
+    });
+    parts.filter(|arena| arena.width > 0.0 && arena.height > 0.0).ok_or_else(|| {
+        format!("{text:?} is no arena size; write width x height in metres, such as 1.6x2.0")
+    })
+}
+
+/// A place from `x,y` or `x,y,heading`.
+pub(crate) fn place(text: &str) -> Result<Goal, String> {
+    let parts: Vec<_> = text.split(',').map(str::trim).collect();
+    let (x, y, heading) = match *parts.as_slice() {
+        [x, y] => (x, y, None),
+        [x, y, heading] => (x, y, Some(angle(heading)?)),
+        _ => {
+            return Err(format!(
+                "{text:?} is no place; write x,y or x,y,heading, such as 0.4,1.2,90"
+            ));
+        }
+    };
+    Ok(Goal { position: Point::new(length(x)?, length(y)?), heading })
+}
+
+/// Four corners from `x,y x,y x,y x,y`, pixels.
+pub(crate) fn corners(text: &str) -> Result<[[f64; 2]; 4], String> {
+    let corner = |pair: &str| {
+        let (x, y) = pair.split_once(',')?;
+        Some([finite(x)?, finite(y)?])
+    };
+    let corners: Option<Vec<_>> = text.split_whitespace().map(corner).collect();
+    corners
+        .and_then(|corners| corners.try_into().ok())
+        .ok_or_else(|| format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise"))
+}
+
+fn scaled(text: &str, units: &[(&str, f64)], bare: f64) -> Option<f64> {
+    let text = text.trim();
+    let suffixed = units.iter().find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, *scale)));
+    let (number, scale) = suffixed.unwrap_or((text, bare));
+    finite(number).map(|number| number * scale)
+}
+
+fn finite(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metres_and_degrees_are_understood_bare_and_with_units() {
+        assert_eq!(length("30cm"), Ok(0.3));
+        assert_eq!(length("-2 m"), Ok(-2.0));
+        assert_eq!(length("75mm"), Ok(0.075));
+        assert_eq!(angle("180"), Ok(std::f64::consts::PI));
+        assert_eq!(angle("1.5rad"), Ok(1.5));
+        assert_eq!(arena("160cmx2.0"), Ok(Arena { width: 1.6, height: 2.0 }));
+        assert_eq!(place("0.1,20cm,90").unwrap().heading, Some(std::f64::consts::FRAC_PI_2));
+        assert_eq!(corners("0,1 2,3 4,5 6,7").unwrap()[3], [6.0, 7.0]);
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_an_example() {
+        for text in ["", "NaN", "inf", "1km", "--", "1e999"] {
+            assert!(length(text).is_err(), "{text}");
+            assert!(place(&format!("{text},1")).is_err(), "{text}");
+        }
+        assert!(arena("0x1").is_err() && arena("-1x1").is_err() && arena("1").is_err());
+        assert!(seconds("0").is_err() && distance("-1").is_err());
+        assert!(corners("0,1 2,3 4,5").is_err());
+    }
+}

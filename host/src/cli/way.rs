@@ -1,0 +1,145 @@
+//! From an input to a way through its arena: ends, margins, planner, legs.
+
+use super::args::{PlannerName, TimingName, WayArgs};
+use super::error::{CliError, Exit};
+use super::input::Input;
+use super::output::Output;
+use host::geometry::Pose;
+use host::grid::Margin;
+use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
+use host::plan::{Plan, PlanError, PlanOptions, Planner, plan};
+use host::plan_file::{PlanFile, PlanTiming};
+use host::scene::{Goal, Scene};
+use protocol::motion::{Limits, Timing};
+use protocol::units::Seconds;
+use std::time::Instant;
+
+/// A way, and all that led to it.
+#[derive(Debug)]
+pub(crate) struct PlannedWay {
+    pub(crate) file: PlanFile,
+    /// `None` if the way was read from a file.
+    pub(crate) plan: Option<Plan>,
+}
+
+/// The margins that are tried where none is asked for, metres: what a real robot needs to be safe
+/// from the errors of camera and wheels, then less where the way would not exist.
+const DRIVE_MARGINS: [f64; 4] = [0.010, 0.005, 0.002, 0.0];
+
+/// Which margins may be used beyond the radius.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MarginRule {
+    /// None, unless asked for.
+    AsAsked,
+    /// 10 mm where there is room, unless asked for.
+    ForDriving,
+}
+
+/// Plans the way that `args` ask for in `input`; a plan is taken as it is.
+pub(crate) fn find(
+    input: &Input,
+    args: &WayArgs,
+    rule: MarginRule,
+    output: Output,
+) -> Result<PlannedWay, CliError> {
+    let (scene, margins) = match input {
+        Input::Plan(file) => return Ok(PlannedWay { file: (**file).clone(), plan: None }),
+        Input::Scene(scene) => (with_radius(scene, args.radius), Vec::new()),
+        Input::Photo(seen) => (seen.scene(args.radius), seen.detection.margins.clone()),
+    };
+    let (start, goal) = ends(&scene, args)?;
+    let scene = Scene { start: Some(start), goal: Some(goal), ..scene };
+    let options = |uniform| PlanOptions {
+        planner: match args.planner {
+            PlannerName::Grid => Planner::Grid,
+            PlannerName::Tree => Planner::Tree,
+        },
+        margin: Margin { uniform, per_obstacle: margins.clone() },
+    };
+    let tried: &[f64] = match (args.margin, rule) {
+        (Some(asked), _) => &[asked],
+        (None, MarginRule::AsAsked) => &[0.0],
+        (None, MarginRule::ForDriving) => &DRIVE_MARGINS,
+    };
+    let began = Instant::now();
+    let (plan, margin) = first_way(&scene, start, goal, tried, options)?;
+    let timing = PlanTiming { build: 0.0, query: began.elapsed().as_secs_f64() * 1e6 };
+    if tried.first() != Some(&margin) {
+        output.say(&format!(
+            "there is no room for a margin of 10 mm; keeping {:.0} mm",
+            margin * 1000.0
+        ));
+    }
+    let legs =
+        to_legs(&plan.waypoints, start.heading, goal.heading, &leg_options(args), &DEFAULT_LIMITS);
+    let seconds = duration(&legs, &DEFAULT_LIMITS);
+    Ok(PlannedWay { file: PlanFile::new(&plan, &scene, &legs, seconds, timing), plan: Some(plan) })
+}
+
+/// The legs that drive a plan within a robot's limits.
+pub(crate) fn legs_of(
+    file: &PlanFile,
+    args: &WayArgs,
+    limits: &Limits,
+) -> Vec<protocol::motion::Leg> {
+    to_legs(&file.waypoints, file.start_heading(), file.goal_heading(), &leg_options(args), limits)
+}
+
+fn leg_options(args: &WayArgs) -> LegOptions {
+    match args.timing {
+        TimingName::Limits => LegOptions { timing: Timing::Limits, reverse: !args.no_reverse },
+        TimingName::Paper => {
+            LegOptions { timing: paper_timing(Seconds(args.leg_time as f32)), reverse: false }
+        }
+    }
+}
+
+fn first_way(
+    scene: &Scene,
+    start: Pose,
+    goal: Goal,
+    margins: &[f64],
+    options: impl Fn(f64) -> PlanOptions,
+) -> Result<(Plan, f64), PlanError> {
+    let mut last = PlanError::NoPath;
+    for &margin in margins {
+        match plan(scene, start.position, goal.position, &options(margin)) {
+            Ok(plan) => return Ok((plan, margin)),
+            Err(error @ (PlanError::NoPath | PlanError::Blocked { .. })) => last = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(last)
+}
+
+fn with_radius(scene: &Scene, radius: Option<f64>) -> Scene {
+    Scene { robot_radius: radius.unwrap_or(scene.robot_radius), ..scene.clone() }
+}
+
+/// Start and goal as asked for, or as the input has them.
+fn ends(scene: &Scene, args: &WayArgs) -> Result<(Pose, Goal), CliError> {
+    let asked = args.start.map(|place| Pose {
+        position: place.position,
+        heading: place.heading.or(scene.start.map(|pose| pose.heading)).unwrap_or(0.0),
+    });
+    let query = scene.queries.first();
+    let start =
+        asked.or(scene.start).or(query.map(|query| Pose { position: query.start, heading: 0.0 }));
+    let goal = args
+        .goal
+        .or(scene.goal)
+        .or(query.map(|query| Goal { position: query.goal, heading: None }));
+    let missing = |what: &str, option: &str| {
+        let message = format!("where is the {what}? The input does not say");
+        CliError::new(
+            Exit::Usage,
+            &format!("plan.no_{what}"),
+            message,
+            format!("add --{option} x,y, metres from the lower left corner"),
+        )
+    };
+    Ok((
+        start.ok_or_else(|| missing("start", "start"))?,
+        goal.ok_or_else(|| missing("goal", "goal"))?,
+    ))
+}
