@@ -1,0 +1,14 @@
+//! Writes the UF2 file of an ELF file beside it: `cargo run -p host --example uf2 -- FILE.elf ...`
+
+use host::uf2::Image;
+use std::error::Error;
+use std::path::PathBuf;
+use std::{env, fs};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    for path in env::args_os().skip(1).map(PathBuf::from) {
+        let image = Image::from_elf(&fs::read(&path)?)?;
+        fs::write(path.with_extension("uf2"), image.to_uf2())?;
+    }
+    Ok(())
+}
