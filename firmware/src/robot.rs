@@ -132,6 +132,11 @@ impl Robot {
         self.link(port).transmit(telemetry, now, out)
     }
 
+    /// Asks for a restart, as a command from the host does: [`Robot::tick`] grants it at rest.
+    pub fn request_reboot(&mut self, reboot: Reboot) {
+        self.reboot = Some(reboot);
+    }
+
     /// Where the robot believes it stands.
     pub fn pose(&self) -> Pose {
         self.controller.pose()
@@ -162,7 +167,7 @@ impl Robot {
             Command::Pause => self.controller.pause(PauseReason::Command),
             Command::Resume => self.controller.resume(),
             Command::Clear => self.controller.clear(),
-            Command::Reboot(reboot) => self.reboot = Some(reboot),
+            Command::Reboot(reboot) => self.request_reboot(reboot),
         }
     }
 
