@@ -1,0 +1,133 @@
+//! The robot's wiring: which pin of the Pico goes where. Everything that depends on it is in this file.
+//!
+//! | pin | GPIO | signal | goes to |
+//! |----:|-----:|--------|---------|
+//! | 1 | 0 | UART TX | RX of the serial adapter (3.3 V) |
+//! | 2 | 1 | UART RX | TX of the serial adapter (3.3 V) |
+//! | 4 | 2 | left duty | TB6612 PWMA |
+//! | 5 | 3 | right duty | TB6612 PWMB |
+//! | 6 | 4 | left forward | TB6612 AIN1 |
+//! | 7 | 5 | left backward | TB6612 AIN2 |
+//! | 9 | 6 | right forward | TB6612 BIN1 |
+//! | 10 | 7 | right backward | TB6612 BIN2 |
+//! | 11 | 8 | standby | TB6612 STBY |
+//! | 14 | 10 | left encoder A | encoder's channel A |
+//! | 15 | 11 | left encoder B | encoder's channel B |
+//! | 16 | 12 | right encoder A | encoder's channel A |
+//! | 17 | 13 | right encoder B | encoder's channel B |
+//! | 20 | 15 | tick | an oscilloscope: high while the control tick computes |
+//! | – | 25 | LED | on the board: on while the firmware runs |
+//!
+//! A Pico and a Pico 2 have the same pins. If a wheel turns or counts the wrong way, change its
+//! `REVERSED` below instead of the wiring.
+
+use embassy_rp::Peri;
+use embassy_rp::gpio::{Level, Output, Pin};
+use embassy_rp::peripherals::{PIO0, UART0, USB};
+use embassy_rp::pio::Pio;
+use embassy_rp::pwm::Pwm;
+use embassy_rp::uart::{self, BufferedInterruptHandler, BufferedUart};
+use embassy_rp::watchdog::Watchdog;
+use embassy_rp::{bind_interrupts, clocks, pio, pwm, usb};
+use firmware::robot::Sensors;
+use protocol::message;
+use static_cell::StaticCell;
+
+use crate::encoders::{self, Encoder};
+use crate::motors::{Direction, Motors};
+
+/// The chip this program was built for.
+#[cfg(target_abi = "eabihf")]
+pub(crate) const BOARD: message::Board = message::Board::Pico2;
+/// The chip this program was built for.
+#[cfg(not(target_abi = "eabihf"))]
+pub(crate) const BOARD: message::Board = message::Board::Pico;
+
+/// GPIO numbers of all the motor driver's inputs, standby first.
+pub(crate) const MOTOR_PINS: [usize; 7] = [8, 2, 3, 4, 5, 6, 7];
+
+/// Left, right: the wheel rolls backward on a positive duty.
+const MOTOR_REVERSED: [bool; 2] = [false, false];
+/// Left, right: the count falls when the wheel rolls forward.
+const ENCODER_REVERSED: [bool; 2] = [false, false];
+
+/// Above hearing, far below the driver's limit of 100 kHz. In Hz.
+const PWM_FREQUENCY: u32 = 20_000;
+/// Bits a second of the serial link, 8N1.
+const UART_BAUD: u32 = 115_200;
+
+bind_interrupts!(pub(crate) struct Irqs {
+    PIO0_IRQ_0 => pio::InterruptHandler<PIO0>;
+    UART0_IRQ => BufferedInterruptHandler<UART0>;
+    USBCTRL_IRQ => usb::InterruptHandler<USB>;
+});
+
+/// What the control task senses and drives.
+pub(crate) struct Base {
+    pub(crate) motors: Motors,
+    left: Encoder<0>,
+    right: Encoder<1>,
+    /// High while the control tick computes.
+    pub(crate) tick: Output<'static>,
+}
+
+impl Base {
+    /// Reads both encoders.
+    pub(crate) fn sense(&mut self) -> Sensors {
+        Sensors { counts: [self.left.counts(), self.right.counts()] }
+    }
+}
+
+/// Every part of the board that the program uses.
+pub(crate) struct Parts {
+    pub(crate) base: Base,
+    pub(crate) uart: BufferedUart,
+    pub(crate) usb: usb::Driver<'static, USB>,
+    pub(crate) watchdog: Watchdog,
+    pub(crate) led: Output<'static>,
+}
+
+/// Takes the chip and sets all pins up. The motors stay off until [`Motors::drive`] is called.
+pub(crate) fn take() -> Parts {
+    static UART_TX: StaticCell<[u8; 32]> = StaticCell::new();
+    static UART_RX: StaticCell<[u8; 256]> = StaticCell::new();
+
+    let chip = embassy_rp::init(embassy_rp::config::Config::default());
+
+    let mut setting = pwm::Config::default();
+    setting.top = (clocks::clk_sys_freq() / PWM_FREQUENCY - 1) as u16;
+    let [left, right] = MOTOR_REVERSED;
+    let motors = Motors {
+        pwm: Pwm::new_output_ab(chip.PWM_SLICE1, chip.PIN_2, chip.PIN_3, setting.clone()),
+        setting,
+        directions: [
+            Direction { in1: low(chip.PIN_4), in2: low(chip.PIN_5), reversed: left },
+            Direction { in1: low(chip.PIN_6), in2: low(chip.PIN_7), reversed: right },
+        ],
+        standby: low(chip.PIN_8),
+    };
+
+    let Pio { mut common, sm0, sm1, .. } = Pio::new(chip.PIO0, Irqs);
+    let program = encoders::load(&mut common);
+    let [reversed_left, reversed_right] = ENCODER_REVERSED;
+    let left = Encoder::new(&mut common, sm0, &program, chip.PIN_10, chip.PIN_11, reversed_left);
+    let right = Encoder::new(&mut common, sm1, &program, chip.PIN_12, chip.PIN_13, reversed_right);
+
+    let mut line = uart::Config::default();
+    line.baudrate = UART_BAUD;
+    let (tx, rx) = (UART_TX.init([0; 32]), UART_RX.init([0; 256]));
+    let uart = BufferedUart::new(chip.UART0, chip.PIN_0, chip.PIN_1, Irqs, tx, rx, line);
+
+    Parts {
+        base: Base { motors, left, right, tick: low(chip.PIN_15) },
+        uart,
+        usb: usb::Driver::new(chip.USB, Irqs),
+        watchdog: Watchdog::new(chip.WATCHDOG),
+        led: low(chip.PIN_25),
+    }
+}
+
+/// An output that starts low.
+fn low(pin: Peri<'static, impl Pin>) -> Output<'static> {
+    Output::new(pin, Level::Low)
+}

@@ -1,0 +1,94 @@
+//! The control task: every 5 ms sense, decide, act; then the ports and the watchdog.
+
+use embassy_executor::{InterruptExecutor, Spawner};
+use embassy_rp::interrupt;
+use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::rom_data::reset_to_usb_boot;
+use embassy_rp::watchdog::Watchdog;
+use embassy_time::{Duration, Ticker};
+use firmware::parameters::Parameters;
+use firmware::robot::{Boot, Port, Robot};
+use protocol::message::Reboot;
+use protocol::motion::TICK_MILLISECONDS;
+
+use crate::board::{self, BOARD, Base};
+use crate::{faults, link};
+
+/// The control period that [`Robot::tick`] counts on.
+const TICK: Duration = Duration::from_millis(TICK_MILLISECONDS as u64);
+/// The watchdog resets the chip when it has not been fed for this long.
+const WATCHDOG_TIMEOUT: Duration = Duration::from_millis(100);
+/// Ticks without a beat of the link task after which the watchdog goes unfed. With
+/// [`WATCHDOG_TIMEOUT`], a dead link task stops the motors within 150 ms.
+const LINK_PATIENCE: u32 = 8;
+
+static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+
+#[interrupt]
+fn SWI_IRQ_1() {
+    #[expect(unsafe_code, reason = "called from the interrupt that the executor was started with")]
+    unsafe {
+        EXECUTOR.on_interrupt();
+    }
+}
+
+#[embassy_executor::main]
+async fn main(threads: Spawner) {
+    let mut parts = board::take();
+    parts.watchdog.start(WATCHDOG_TIMEOUT);
+    let boot = Boot { nonce: faults::boot_nonce(&mut parts.watchdog), board: BOARD };
+    let robot = Robot::new(Parameters::default(), boot);
+
+    // The timer and the UART stay above the control task: their handlers are short, and the UART's
+    // buffer would overflow during a long tick. USB can wait: its host asks again.
+    interrupt::SWI_IRQ_1.set_priority(Priority::P1);
+    interrupt::USBCTRL_IRQ.set_priority(Priority::P2);
+    let interrupts = EXECUTOR.start(interrupt::SWI_IRQ_1);
+    if let (Ok(control), Ok(link)) =
+        (control(parts.base, robot, parts.watchdog), link::link(parts.uart, parts.usb))
+    {
+        interrupts.spawn(control);
+        threads.spawn(link);
+        parts.led.set_high();
+    }
+    // The light stays on for as long as this task lives.
+    core::future::pending::<()>().await;
+}
+
+/// Owns the robot.
+#[embassy_executor::task]
+async fn control(mut base: Base, mut robot: Robot, mut watchdog: Watchdog) {
+    let mut ticker = Ticker::every(TICK);
+    let mut silent_ticks = 0;
+    loop {
+        ticker.next().await;
+        base.tick.set_high();
+        let sensors = base.sense();
+        let actuation = robot.tick(&sensors);
+        base.motors.drive(actuation.duty);
+        base.tick.set_low();
+
+        link::UART.serve(&mut robot, Port::Uart);
+        link::USB_SERIAL.serve(&mut robot, Port::Usb);
+        if link::touched() {
+            robot.request_reboot(Reboot::Bootloader);
+        }
+        if let Some(target) = actuation.reboot {
+            restart(&mut base, &mut watchdog, target);
+        }
+
+        silent_ticks = if link::alive() { 0 } else { silent_ticks + 1 };
+        if silent_ticks <= LINK_PATIENCE {
+            watchdog.feed(WATCHDOG_TIMEOUT);
+        }
+    }
+}
+
+/// Leaves this program; the robot asks for it only at rest.
+fn restart(base: &mut Base, watchdog: &mut Watchdog, target: Reboot) {
+    base.motors.off();
+    match target {
+        Reboot::Bootloader => reset_to_usb_boot(0, 0),
+        Reboot::Application => watchdog.trigger_reset(),
+    }
+}

@@ -1,0 +1,58 @@
+//! What happens when the program itself fails: motors off at once, then a reset.
+
+use core::panic::PanicInfo;
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use embassy_rp::clocks::RoscRng;
+use embassy_rp::pac;
+use embassy_rp::pac::io::vals::Outover;
+use embassy_rp::peripherals::WATCHDOG;
+use embassy_rp::watchdog::Watchdog;
+
+use crate::board::MOTOR_PINS;
+
+/// The register of the watchdog block that counts the boots since power came on; it survives resets.
+const BOOTS_SCRATCH: usize = 0;
+
+/// A number that differs from boot to boot, so that the host notices a restart.
+///
+/// The ring oscillator's random bit gives it; a count of the boots is mixed in, so that two boots
+/// after one power-on differ even if that bit is stuck.
+pub(crate) fn boot_nonce(watchdog: &mut Watchdog) -> u32 {
+    let boots = match watchdog.reset_reason() {
+        None => 0,
+        Some(_) => watchdog.get_scratch(BOOTS_SCRATCH).wrapping_add(1),
+    };
+    watchdog.set_scratch(BOOTS_SCRATCH, boots);
+    RoscRng.next_u32() ^ boots.reverse_bits()
+}
+
+/// Holds every pin of the motor driver low, whatever block drives it.
+pub(crate) fn motors_dead() {
+    for pin in MOTOR_PINS {
+        pac::IO_BANK0.gpio(pin).ctrl().modify(|ctrl| ctrl.set_outover(Outover::LOW));
+    }
+}
+
+/// Switches the motors off and resets the chip.
+fn restart() -> ! {
+    motors_dead();
+    #[expect(unsafe_code, reason = "the owner of the watchdog will never run again")]
+    let mut watchdog = Watchdog::new(unsafe { WATCHDOG::steal() });
+    watchdog.trigger_reset();
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+#[panic_handler]
+fn panicked(_: &PanicInfo) -> ! {
+    cortex_m::interrupt::disable();
+    restart()
+}
+
+#[allow(unsafe_code, reason = "an exception handler is entered from outside the language")]
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    restart()
+}
