@@ -47,7 +47,10 @@ impl Folder {
         let Some(plan) = &way.plan else { return Ok(()) };
         let scene = &way.file.scene;
         if let Some(stages) = &plan.grid {
-            self.write("10_border_lines.svg", picture::grid::border_lines(scene, stages).as_bytes())?;
+            self.write(
+                "10_border_lines.svg",
+                picture::grid::border_lines(scene, stages).as_bytes(),
+            )?;
             self.write("11_mini_matrix.svg", picture::grid::mini_matrix(scene, stages).as_bytes())?;
             self.write(
                 "12_traps_closed.svg",

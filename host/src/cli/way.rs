@@ -35,26 +35,67 @@ pub(crate) enum MarginRule {
     ForDriving,
 }
 
-/// Plans the way that `args` ask for in `input`; a plan is taken as it is.
+/// Plans the way that `args` ask for in `input`.
+///
+/// A plan is taken as it is, unless it is to be driven and keeps less margin than asked for.
 pub(crate) fn find(
     input: &Input,
     args: &WayArgs,
     rule: MarginRule,
     output: Output,
 ) -> Result<PlannedWay, CliError> {
-    let (scene, margins) = match input {
-        Input::Plan(file) => return Ok(PlannedWay { file: (**file).clone(), plan: None }),
-        Input::Scene(scene) => (with_radius(scene, args.radius), Vec::new()),
-        Input::Photo(seen) => (seen.scene(args.radius), seen.detection.margins.clone()),
+    let planner = match args.planner {
+        PlannerName::Grid => Planner::Grid,
+        PlannerName::Tree => Planner::Tree,
     };
-    let (start, goal) = ends(&scene, args)?;
-    let scene = Scene { start: Some(start), goal: Some(goal), ..scene };
+    match input {
+        Input::Plan(file) if keeps_margin(file, args, rule) => {
+            Ok(PlannedWay { file: (**file).clone(), plan: None })
+        }
+        Input::Plan(file) => {
+            output.say("the plan keeps less than the margin for driving, so its way is planned anew; --margin 0 drives it as it is");
+            let heading = file.goal_heading();
+            let goal = file.waypoints.last().map(|position| Goal { position: *position, heading });
+            let start = file
+                .waypoints
+                .first()
+                .map(|&position| Pose { position, heading: file.start_heading() });
+            let scene = Scene { start, goal, ..file.scene.clone() };
+            plan_way(&scene, &[], planner, args, rule, output)
+        }
+        Input::Scene(scene) => {
+            plan_way(&with_radius(scene, args.radius), &[], planner, args, rule, output)
+        }
+        Input::Photo(seen) => {
+            plan_way(&seen.scene(args.radius), &seen.detection.margins, planner, args, rule, output)
+        }
+    }
+}
+
+/// Half a lattice step more or less is the same margin, metres.
+const MARGIN_TOLERANCE: f64 = 1e-4;
+
+fn keeps_margin(file: &PlanFile, args: &WayArgs, rule: MarginRule) -> bool {
+    let wanted = args.margin.unwrap_or(match rule {
+        MarginRule::AsAsked => 0.0,
+        MarginRule::ForDriving => DRIVE_MARGINS[0],
+    });
+    file.clearance + MARGIN_TOLERANCE >= file.scene.robot_radius + wanted
+}
+
+fn plan_way(
+    scene: &Scene,
+    margins: &[[f64; 4]],
+    planner: Planner,
+    args: &WayArgs,
+    rule: MarginRule,
+    output: Output,
+) -> Result<PlannedWay, CliError> {
+    let (start, goal) = ends(scene, args)?;
+    let scene = Scene { start: Some(start), goal: Some(goal), ..scene.clone() };
     let options = |uniform| PlanOptions {
-        planner: match args.planner {
-            PlannerName::Grid => Planner::Grid,
-            PlannerName::Tree => Planner::Tree,
-        },
-        margin: Margin { uniform, per_obstacle: margins.clone() },
+        planner,
+        margin: Margin { uniform, per_obstacle: margins.to_vec() },
     };
     let tried: &[f64] = match (args.margin, rule) {
         (Some(asked), _) => &[asked],

@@ -1,0 +1,229 @@
+//! The command line's contract: JSON documents, exit codes, errors that help, files that appear.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.json");
+const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
+const PHOTO_ARENA: &str = "1.3x1.55";
+const PHOTO_GOAL: &str = "0.996,0.229";
+
+/// What a newcomer is promised: metres and radians (1°).
+const END_POSITION: f64 = 0.005;
+const END_HEADING: f64 = 0.0175;
+
+fn wmr(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
+    command.args(arguments).env_remove("WMR_PORT").output().unwrap()
+}
+
+fn document(output: &Output) -> Value {
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+fn succeed(arguments: &[&str]) -> Value {
+    let output = wmr(arguments);
+    assert!(output.status.success(), "{arguments:?}: {output:?}");
+    document(&output)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(number).collect()
+}
+
+fn assert_arrived(run: &Value) {
+    assert_eq!(run["reached"], true, "{run}");
+    assert!(number(&run["error"]["position"]) < END_POSITION, "{run}");
+    assert!(number(&run["error"]["heading"]) < END_HEADING, "{run}");
+    assert_eq!(run["collisions"], 0, "{run}");
+    assert_eq!(run["link"]["lost"], 0, "{run}");
+    assert_eq!(numbers(&run["true_pose"]).len(), 3);
+    assert!(number(&run["min_clearance"]) > 0.0);
+}
+
+#[test]
+fn the_demo_reaches_its_goal_and_leaves_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = succeed(&["demo", "--out", out, "--json"]);
+    assert_arrived(&run);
+    assert!(run["legs"].as_array().unwrap().len() >= 3);
+    let scene: Value = read_json(&folder.path().join("scene.json"));
+    assert!(scene["obstacles"].as_array().unwrap().len() >= 5);
+    for name in
+        ["1_plan_view.png", "7_obstacles.svg", "11_mini_matrix.svg", "14_path.svg", "15_motion.svg"]
+    {
+        assert!(folder.path().join(name).metadata().unwrap().len() > 100, "{name}");
+    }
+    let log = std::fs::read_to_string(folder.path().join("run.jsonl")).unwrap();
+    let times: Vec<f64> = log
+        .lines()
+        .map(|line| number(&serde_json::from_str::<Value>(line).unwrap()["t"]))
+        .collect();
+    assert!(times.len() > 100 && times.is_sorted());
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn the_papers_experiment_takes_27_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    let plan =
+        succeed(&["plan", PAPER, "--planner", "grid", "--json", "-o", path.to_str().unwrap()]);
+    let matrix = plan["mini_matrix"].as_array().unwrap();
+    assert_eq!((matrix.len(), matrix[0].as_array().unwrap().len()), (7, 5));
+    let twos =
+        matrix.iter().flat_map(|row| row.as_array().unwrap()).filter(|element| **element == 2);
+    assert_eq!(twos.count(), 2);
+    assert_eq!((&plan["areas"]["start"], &plan["areas"]["goal"]), (&48.into(), &13.into()));
+    assert_eq!(plan["areas"]["traps"], serde_json::json!([20, 41]));
+    // The exact length by the corners (0.875, 0.475) and (0.875, 1.525).
+    assert!((number(&plan["length"]) - 2.160859).abs() < 1e-6);
+
+    let plan = path.to_str().unwrap();
+    let run = succeed(&[
+        "drive",
+        plan,
+        "--port",
+        "sim",
+        "--timing",
+        "paper",
+        "--leg-time",
+        "9",
+        "--json",
+    ]);
+    assert_arrived(&run);
+    assert_eq!(number(&run["duration"]), 27.0);
+    assert_eq!(run["legs"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn detect_prints_a_scene_with_margins_corners_and_robot() {
+    let seen = succeed(&["detect", PHOTO, "--arena", PHOTO_ARENA, "--json"]);
+    assert_eq!(seen["format"], "wmr-scene/1");
+    let obstacles = seen["obstacles"].as_array().unwrap();
+    assert_eq!(obstacles.len(), 8);
+    assert_eq!(seen["margins"].as_array().unwrap().len(), 8);
+    assert!(obstacles.iter().all(|rect| numbers(rect).len() == 4));
+    assert_eq!(seen["corners_px"].as_array().unwrap().len(), 4);
+    let robot = numbers(&seen["robot"]);
+    // The picture's truth, to 3 mm and 3.5°: a triangle of 15 by 30 pixels tells no more.
+    assert!((robot[0] - 0.163).hypot(robot[1] - 0.696) < 0.003 && (robot[2] - 1.521).abs() < 0.06);
+    assert!((0.0..=1.0).contains(&number(&seen["confidence"])));
+    assert!(seen["warnings"].is_array());
+    assert!(
+        number(&seen["timing_ms"]["decode"]) >= 0.0 && number(&seen["timing_ms"]["detect"]) > 0.0
+    );
+}
+
+#[test]
+fn a_plan_from_a_photo_is_a_plan_file_that_drives() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("plan.json");
+    let file = file.to_str().unwrap();
+    let photo = [PHOTO, "--arena", PHOTO_ARENA, "--goal", PHOTO_GOAL];
+    let plan = succeed(&[&["plan"], &photo[..], &["-o", file, "--json"]].concat());
+    assert_eq!(plan["format"], "wmr-plan/1");
+    assert!(number(&plan["clearance"]) >= 0.0749);
+    assert!(number(&plan["duration"]) > 0.0 && number(&plan["timing_us"]["query"]) > 0.0);
+    for leg in plan["legs"].as_array().unwrap() {
+        assert_eq!(numbers(&leg["start"]).len(), 3);
+        assert_eq!(leg["goal"].as_array().unwrap().len(), 3);
+        assert!(leg["direction"] == "forward" || leg["direction"] == "reverse");
+    }
+    let waypoints = plan["waypoints"].as_array().unwrap();
+    assert_eq!(numbers(waypoints.last().unwrap()), [0.996, 0.229]);
+    assert_eq!(plan["scene"]["format"], "wmr-scene/1");
+    assert_arrived(&succeed(&["drive", file, "--port", "sim", "--json"]));
+}
+
+/// Exit code, error code, and the arguments that must lead to them.
+fn assert_refused(exit: i32, code: &str, arguments: &[&str]) {
+    let output = wmr(&[arguments, &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(exit), "{arguments:?}: {output:?}");
+    let error = &document(&output)["error"];
+    assert_eq!(error["code"], code, "{arguments:?}: {error}");
+    assert!(
+        error["message"].as_str().unwrap().len() > 5 && error["help"].as_str().unwrap().len() > 5,
+        "{error}"
+    );
+    let output = wmr(arguments);
+    assert_eq!(output.status.code(), Some(exit));
+    assert!(output.stdout.is_empty(), "talk on standard output: {output:?}");
+    assert!(!output.stderr.is_empty());
+}
+
+#[test]
+fn broken_input_is_refused_with_the_contracts_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let text = write("photo.png", "this is no picture");
+    let empty = write("empty.png", "");
+    let walled = write(
+        "walled.json",
+        r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.9,0,1.1,1]],"start":[0.3,0.5,0],"goal":[1.7,0.5]}"#,
+    );
+    let inside_out = write(
+        "inside.json",
+        r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[1,0,0.5,1]]}"#,
+    );
+    let goalless = write(
+        "goalless.json",
+        r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[],"start":[0.3,0.5,0]}"#,
+    );
+    assert_refused(3, "photo", &["plan", &text, "--arena", "2x1", "--goal", "1,0.5"]);
+    assert_refused(3, "photo", &["detect", &text, "--arena", "2x1"]);
+    assert_refused(3, "file.empty", &["detect", &empty, "--arena", "2x1"]);
+    assert_refused(3, "file.empty", &["drive", &empty, "--port", "sim"]);
+    assert_refused(3, "file.read", &["plan", "no-such-file.json"]);
+    assert_refused(3, "scene", &["plan", &inside_out, "--start", "1,1", "--goal", "1,1"]);
+    assert_refused(4, "plan.start_blocked", &["plan", PAPER, "--start", "1.0,1.0"]);
+    assert_refused(4, "plan.goal_blocked", &["drive", PAPER, "--goal", "1.0,1.0", "--port", "sim"]);
+    assert_refused(4, "plan.goal_outside", &["plan", PAPER, "--goal", "140,175"]);
+    assert_refused(4, "plan.no_path", &["plan", &walled]);
+    assert_refused(4, "plan.no_path", &["drive", &walled, "--port", "sim"]);
+    assert_refused(2, "plan.no_goal", &["plan", &goalless]);
+    assert_refused(2, "usage", &["plan", PAPER, "--goal", "NaN,1"]);
+    assert_refused(2, "usage", &["plan", PHOTO, "--goal", "1,1"]);
+    assert_refused(2, "usage", &["fly"]);
+    assert_refused(5, "port.missing", &["drive", PAPER, "--port", "/dev/no-such-port"]);
+    assert_refused(5, "port.missing", &["drive", PAPER, "--port", "tcp://127.0.0.1:1"]);
+    assert_refused(
+        7,
+        "robot.refused",
+        &["drive", PAPER, "--port", "sim", "--timing", "paper", "--leg-time", "2"],
+    );
+}
+
+#[test]
+fn a_plan_that_does_not_belong_to_its_arena_moves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    let mut plan = succeed(&["plan", PAPER, "--json"]);
+    let refuse = |plan: &Value, exit: i32| {
+        std::fs::write(&path, plan.to_string()).unwrap();
+        assert_refused(exit, "plan.file", &["drive", path.to_str().unwrap(), "--port", "sim"]);
+    };
+    let whole = plan.clone();
+    plan["scene"]["obstacles"] = serde_json::json!([[0.8, 0.9, 1.0, 1.1]]);
+    refuse(&plan, 4);
+    plan = whole.clone();
+    plan["legs"].as_array_mut().unwrap().pop();
+    refuse(&plan, 3);
+    plan = whole;
+    plan["waypoints"][1][0] = serde_json::json!(0.7);
+    refuse(&plan, 3);
+}
