@@ -5,8 +5,8 @@
 
 use super::{LinkClient, LinkError};
 use protocol::message::{
-    Command, Fault, LegResult, PlanHeader, PlanRefusal, Report, RobotHello, State, Telemetry,
-    plan_digest,
+    Command, Fault, LegResult, PauseReason, PlanHeader, PlanRefusal, Report, RobotHello, State,
+    Telemetry, plan_digest,
 };
 use protocol::motion::{Leg, Pose};
 use std::collections::VecDeque;
@@ -63,13 +63,14 @@ pub struct Mission {
     start: Pose,
     upload: Option<VecDeque<Command>>,
     accepted: bool,
+    resumed: bool,
     ticks: Option<u32>,
 }
 
 impl Mission {
     /// The mission that drives `legs`, which begin at `start`.
     pub fn new(legs: Vec<Leg>, start: Pose) -> Self {
-        Self { legs, start, upload: None, accepted: false, ticks: None }
+        Self { legs, start, upload: None, accepted: false, resumed: false, ticks: None }
     }
 
     /// One step at `now`: polls `client` and says what has happened since the last.
@@ -90,9 +91,11 @@ impl Mission {
         if let Some(telemetry) =
             client.telemetry().filter(|telemetry| Some(telemetry.ticks) != self.ticks)
         {
+            let telemetry = *telemetry;
             self.ticks = Some(telemetry.ticks);
-            events.push(MissionEvent::Telemetry(*telemetry));
-            self.check(telemetry)?;
+            events.push(MissionEvent::Telemetry(telemetry));
+            self.check(&telemetry)?;
+            self.go_on(&telemetry, client);
         }
         Ok(events)
     }
@@ -143,6 +146,17 @@ impl Mission {
                 Ok(Some(MissionEvent::Done(pose)))
             }
             _ => Ok(None),
+        }
+    }
+
+    /// A robot that paused because this host was silent, or its words were lost, goes on now that
+    /// they hear each other again.
+    fn go_on<P: Read + Write>(&mut self, telemetry: &Telemetry, client: &mut LinkClient<P>) {
+        let waits = self.accepted && telemetry.state == State::Paused(PauseReason::Silence);
+        if !waits {
+            self.resumed = false;
+        } else if !self.resumed {
+            self.resumed = client.send(Command::Resume);
         }
     }
 

@@ -24,7 +24,7 @@ const HELLO_TIMEOUT: Duration = Duration::from_secs(2);
 /// Hello is said again after this long, milliseconds.
 const HELLO_INTERVAL: u32 = 100;
 /// A link on which nothing arrives for this long is lost; the robot has long stopped by itself.
-const LOST_TIMEOUT: Duration = Duration::from_secs(1);
+const LOST_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// What became of frames on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

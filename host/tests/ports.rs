@@ -1,0 +1,121 @@
+//! `wmr sim` behind a pseudo-terminal and a socket, and `wmr drive` through them in real time.
+#![cfg(unix)]
+
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Output, Stdio};
+
+const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
+/// A drive of half a metre: long enough to be interrupted, short enough to wait for.
+const SHORT: &str = r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.4,0.7,0.6,1]],"start":[0.3,0.5,0],"goal":[0.8,0.5]}"#;
+
+fn wmr(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
+    command.args(arguments).env_remove("WMR_PORT");
+    command
+}
+
+fn document(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
+}
+
+/// A running `wmr sim`, ended by Ctrl-C.
+struct Sim {
+    child: Child,
+}
+
+impl Sim {
+    /// Starts one and waits until it says that it is there; returns that line too.
+    fn start(arguments: &[&str]) -> (Self, String) {
+        let mut child = wmr(&[&["sim", "--json"], arguments].concat())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
+        assert!(line.contains("simulated robot at"), "{line}");
+        (Self { child }, line)
+    }
+
+    fn end(self) -> Value {
+        interrupt(&self.child);
+        let output = self.child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        document(&output)
+    }
+}
+
+fn interrupt(child: &Child) {
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+}
+
+fn distance(pose: &Value, x: f64, y: f64) -> f64 {
+    (pose[0].as_f64().unwrap() - x).hypot(pose[1].as_f64().unwrap() - y)
+}
+
+#[test]
+fn the_demos_mission_through_a_pseudo_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let (link, plan) = (folder.path().join("robot"), folder.path().join("plan.json"));
+    let (link, plan) = (link.to_str().unwrap(), plan.to_str().unwrap());
+    let planned = wmr(&[
+        "plan",
+        PHOTO,
+        "--arena",
+        "1.3x1.55",
+        "--goal",
+        "0.996,0.229",
+        "--margin",
+        "10mm",
+        "-o",
+        plan,
+    ]);
+    assert!({ planned }.output().unwrap().status.success());
+    let (sim, _) = Sim::start(&["--pty", link, "--scene", plan]);
+
+    let drive =
+        wmr(&["drive", plan, "--port", link, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+    // The port answers one program at a time; whoever comes second is told so, and disturbs nothing.
+    let second = (0..50).map(|_| wmr(&["info", "--port", link, "--json"]).output().unwrap());
+    let refused =
+        { second }.find(|output| !output.status.success()).expect("the port was never busy");
+    assert_eq!(refused.status.code(), Some(5));
+    assert_eq!(document(&refused)["error"]["code"], "port.busy");
+
+    let driven = document(&drive.wait_with_output().unwrap());
+    assert_eq!(driven["reached"], true, "{driven}");
+    assert!(driven.get("true_pose").is_none(), "nobody can know it through a wire");
+    let truth = sim.end();
+    assert!(distance(&truth["true_pose"], 0.996, 0.229) < 0.005, "{truth}");
+    assert_eq!(truth["collisions"], 0);
+}
+
+#[test]
+fn ctrl_c_stops_the_robot_behind_a_socket_before_the_program_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
+    std::fs::write(&scene, SHORT).unwrap();
+    let scene = scene.to_str().unwrap();
+    let (sim, line) = Sim::start(&["--tcp", "127.0.0.1:0", "--scene", scene]);
+    let address = line
+        .split_whitespace()
+        .find(|word| word.starts_with("tcp://"))
+        .unwrap()
+        .trim_end_matches(';');
+
+    let mut drive =
+        wmr(&["drive", scene, "--port", address, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+    // A second: half-way. If the machine is slow and it is not, the stop comes earlier; never later than the goal.
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    assert!(drive.try_wait().unwrap().is_none(), "the drive takes more than a second");
+    interrupt(&drive);
+    let output = drive.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    assert_eq!(document(&output)["error"]["code"], "interrupted");
+
+    let stopped = document(&wmr(&["stop", "--port", address, "--json"]).output().unwrap());
+    assert_eq!(stopped["state"], "stopped");
+    let truth = sim.end();
+    assert!(distance(&truth["true_pose"], 0.8, 0.5) > 0.05, "{truth}");
+}
