@@ -27,7 +27,7 @@ export const Freeze = { NONE: 0, ALL: 1, THREAD: 2 };
 
 export class Chip {
   /**
-   * `flash` and `randomBits` outlive the chip; `last` is the life before after a watchdog reset.
+   * `flash` and `randomBits` outlive the chip; `last` is the life before, unless the power was off.
    * `epoch` is the simulated time of this reset in nanoseconds.
    */
   constructor({ flash, randomBits, last, epoch, onByte, onOutput }) {
@@ -35,7 +35,9 @@ export class Chip {
     this.stalledUntil = epoch;
     this.freeze = Freeze.NONE;
     this.resetAsked = false;
-    this.inBootLoader = false;
+    // The boot loader itself is not emulated: a chip in it does nothing.
+    this.inBootLoader = last?.bootLoaderAsked ?? false;
+    this.bootLoaderAsked = false;
     this.rp2040 = new RP2040();
     this.rp2040.logger = silent;
     this.useFlash(flash);
@@ -92,8 +94,10 @@ export class Chip {
     this.stalledUntil = Math.max(this.stalledUntil, this.nanos) + nanos;
   }
 
+  /** The boot ROM resets the chip and starts its boot loader. */
   enterBootLoader() {
-    this.inBootLoader = true;
+    this.bootLoaderAsked = true;
+    this.resetAsked = true;
   }
 
   /** Makes the processor take a hard fault. */

@@ -41,7 +41,7 @@ class Emulator {
     this.boot(null);
   }
 
-  /** Starts the next life of the chip; `last` is the one before, if the watchdog ended it. */
+  /** Starts the next life of the chip; `last` is the one before, unless the power was off. */
   boot(last) {
     this.chip = new Chip({
       flash: this.flash,

@@ -6,6 +6,7 @@
 //! It knows boxes, not scenes, and nothing of planning. Kinematics here are its own.
 
 pub mod base;
+pub mod emulator;
 pub mod in_process;
 #[cfg(unix)]
 pub mod pty;

@@ -73,6 +73,11 @@ impl<B: Brain> Simulation<B> {
         self.now
     }
 
+    /// The firmware, for whoever means to disturb it.
+    pub fn brain_mut(&mut self) -> &mut B {
+        &mut self.brain
+    }
+
     /// What really happened so far.
     pub fn truth(&self) -> Truth {
         Truth {

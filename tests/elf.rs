@@ -1,0 +1,215 @@
+//! The flashed ELF in the emulated Pico: it drives as the simulated robot does, and fails safely.
+
+use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+use hil_sim::emulator::{EmulatedPico, Fault, Step};
+use hil_sim::simulation::Simulation;
+use host::geometry::Point;
+use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use host::link::mission::MissionError;
+use host::link::{LinkClient, LinkError};
+use protocol::message::{Board, Command, Reboot, Telemetry};
+use protocol::motion::{Leg, Pose, Timing};
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::Path;
+use std::time::Duration;
+use tests::{POLL, drive};
+
+const ELF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/firmware/pico.elf");
+
+const START: Pose = Pose::new(0.2, 0.2, 0.5);
+const GOAL: Point = Point::new(0.7, 0.6);
+const GOAL_HEADING: f64 = 2.0;
+/// As for the robot in process: a few encoder counts on either wheel, and what they turn the base by.
+const POSITION_TOLERANCE: f64 = 0.002;
+const HEADING_TOLERANCE: f64 = 0.005;
+
+/// From a dead task or processor to motors without voltage: the firmware promises 150 ms.
+const FAILURE_LIMIT: Duration = Duration::from_millis(150);
+/// The watchdog's 100 ms less one control tick, so that a reset cannot come from elsewhere.
+const WATCHDOG_LEAST: Duration = Duration::from_millis(94);
+
+/// Metres that a wheel of the default robot rolls in one count.
+const COUNT: f64 = TAU * 0.035 / 1440.0;
+const TRACK: f64 = 0.12;
+
+fn pico() -> EmulatedPico {
+    EmulatedPico::spawn(Path::new(ELF)).unwrap()
+}
+
+fn robot() -> Simulation<EmulatedPico> {
+    let pose =
+        TruePose { x: START.x.0.into(), y: START.y.0.into(), heading: START.heading.0.into() };
+    Simulation::new(pico(), WheeledBase::new(BaseParameters::seeded(4), pose), None)
+}
+
+fn legs() -> Vec<Leg> {
+    let options = LegOptions { timing: Timing::Limits, reverse: true };
+    let way = [Point::new(0.2, 0.2), Point::new(0.6, 0.2), GOAL];
+    to_legs(&way, START.heading.0.into(), Some(GOAL_HEADING), &options, &DEFAULT_LIMITS)
+}
+
+/// Drives until `after`, does `disturb` once, and returns how the mission ended.
+fn disturbed(
+    after: Duration,
+    mut disturb: impl FnMut(&mut LinkClient<Simulation<EmulatedPico>>),
+) -> MissionError {
+    let mut done = false;
+    drive(robot(), legs(), START, 60, |client, _| {
+        if !done && client.port_mut().now() > after {
+            done = true;
+            disturb(client);
+        }
+    })
+    .expect_err("the mission ended well in spite of all")
+}
+
+/// How long the motors still get voltage after a fault, and the state of the chip 0.2 s after it.
+fn motors_after(fault: Fault) -> (Duration, Step) {
+    let (mut driven, mut last) = (Duration::ZERO, Step::default());
+    disturbed(Duration::from_millis(1000), |client| {
+        let pico = client.port_mut().brain_mut();
+        let millisecond = Duration::from_millis(1);
+        let before = pico.step(millisecond, &[], [400, 400]).unwrap();
+        assert_ne!(before.duty, [0.0; 2], "the robot should be driving");
+        pico.inject(fault).unwrap();
+        for step in 1..=200 {
+            last = pico.step(millisecond, &[], [400, 400]).unwrap();
+            if last.duty != [0.0; 2] {
+                driven = step * millisecond;
+            }
+        }
+    });
+    (driven, last)
+}
+
+#[test]
+fn the_elf_drives_a_mission_to_its_goal_the_same_way_every_time() {
+    let run = || {
+        let mut poses: Vec<Telemetry> = Vec::new();
+        let (_, mut simulation) = drive(robot(), legs(), START, 60, |client, _| {
+            assert_eq!(client.robot().map_or(Board::Pico, |robot| robot.board), Board::Pico);
+            poses.extend(client.telemetry());
+        })
+        .unwrap();
+        let end = simulation.truth().pose;
+        assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
+        assert!((end.heading - GOAL_HEADING).abs() < HEADING_TOLERANCE, "{end:?}");
+        let counts = [0; 2];
+        assert_eq!(simulation.brain_mut().step(POLL, &[], counts).unwrap().resets, 0);
+        poses
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn a_frozen_processor_is_reset_by_the_watchdog() {
+    let (driven, last) = motors_after(Fault::Freeze);
+    assert!(driven > WATCHDOG_LEAST && driven < FAILURE_LIMIT, "{driven:?}");
+    assert_eq!((last.resets, last.duty), (1, [0.0; 2]));
+}
+
+#[test]
+fn a_frozen_link_task_is_reset_by_the_watchdog() {
+    let (driven, last) = motors_after(Fault::FreezeThread);
+    assert!(driven > WATCHDOG_LEAST && driven < FAILURE_LIMIT, "{driven:?}");
+    assert_eq!((last.resets, last.duty), (1, [0.0; 2]));
+}
+
+#[test]
+fn a_panic_and_a_hard_fault_switch_the_motors_off_at_once() {
+    for fault in [Fault::Panic, Fault::HardFault] {
+        let (driven, last) = motors_after(fault);
+        assert!(driven <= Duration::from_millis(1), "{fault:?} {driven:?}");
+        assert_eq!((last.resets, last.duty), (1, [0.0; 2]), "{fault:?}");
+    }
+}
+
+#[test]
+fn the_host_notices_a_restart() {
+    let end = disturbed(Duration::from_millis(1000), |client| {
+        client.port_mut().brain_mut().reset().unwrap();
+    });
+    assert!(
+        matches!(end, MissionError::Link(LinkError::Restarted | LinkError::Lost(_))),
+        "{end:?}"
+    );
+}
+
+#[test]
+fn the_boot_loader_is_entered_on_command_at_rest() {
+    let mut client = LinkClient::new(robot(), 7);
+    let mut asked = false;
+    for _ in 0..100 {
+        let now = client.port_mut().now();
+        client.poll(now).unwrap();
+        asked = asked || client.send(Command::Reboot(Reboot::Bootloader));
+        client.port_mut().wait(POLL).unwrap();
+    }
+    assert!(asked, "the robot did not answer");
+    let step = client.port_mut().brain_mut().step(POLL, &[], [0; 2]).unwrap();
+    assert!(step.boot_loader && !step.driver_enabled, "{step:?}");
+}
+
+/// A Pico whose wheels somebody turns, as a port.
+struct Spun {
+    pico: EmulatedPico,
+    counts: [i32; 2],
+    to_robot: Vec<u8>,
+    to_host: VecDeque<u8>,
+}
+
+impl Spun {
+    /// Lets `steps` polls pass, in each of which the wheels turn by so many counts.
+    fn turn(client: &mut LinkClient<Self>, steps: u32, counts: [i32; 2], now: &mut Duration) {
+        for _ in 0..steps {
+            let port = client.port_mut();
+            port.counts = [port.counts[0] + counts[0], port.counts[1] + counts[1]];
+            let received = std::mem::take(&mut port.to_robot);
+            port.to_host.extend(port.pico.step(POLL, &received, port.counts).unwrap().uart_out);
+            *now += POLL;
+            client.poll(*now).unwrap();
+        }
+    }
+}
+
+impl Read for Spun {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.to_host.is_empty() {
+            Err(ErrorKind::WouldBlock.into())
+        } else {
+            self.to_host.read(buffer)
+        }
+    }
+}
+
+impl Write for Spun {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.to_robot.write(buffer)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn the_encoders_count_fifty_thousand_edges_a_second_exactly() {
+    let port = Spun { pico: pico(), counts: [0; 2], to_robot: vec![], to_host: VecDeque::new() };
+    let (mut client, mut now) = (LinkClient::new(port, 7), Duration::ZERO);
+    Spun::turn(&mut client, 20, [0; 2], &mut now);
+    Spun::turn(&mut client, 200, [250, 250], &mut now);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    let straight = client.telemetry().unwrap().pose;
+    let way = 200.0 * 250.0 * COUNT;
+    assert!((f64::from(straight.x.0) - way).abs() < COUNT / 2.0, "{straight:?} {way}");
+    assert_eq!(straight.heading.0, 0.0);
+
+    Spun::turn(&mut client, 200, [-245, 250], &mut now);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    let turned = client.telemetry().unwrap().pose.heading.0;
+    let heading = 200.0 * 495.0 * COUNT / TRACK;
+    let error = (f64::from(turned) - heading).rem_euclid(TAU);
+    assert!(error.min(TAU - error) < COUNT / TRACK / 2.0, "{turned} {heading}");
+}
