@@ -1,4 +1,5 @@
 //! The flashed ELF in the emulated Pico: it drives as the simulated robot does, and fails safely.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests fail as tests do")]
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::{EmulatedPico, Fault, Step};
