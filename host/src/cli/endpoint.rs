@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::{InProcess, paper_robot};
 use hil_sim::simulation::{Brain, Simulation, Truth};
 use hil_sim::world::World;
@@ -9,6 +10,7 @@ use host::geometry::Pose;
 use host::link::port::{self, Wire};
 use host::scene::Scene;
 use std::io::{self, Read, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A way to a robot, with the clock that goes with it.
@@ -132,7 +134,8 @@ impl SimulatedWorld {
     }
 }
 
-/// Opens the port of that name; `simulated` is the world and `robot` the robot for `sim`.
+/// Opens the port of that name; `simulated` is the world for `sim` and `elf:FILE`, `robot` the robot
+/// for `sim`.
 pub(crate) fn open(
     name: &str,
     simulated: SimulatedWorld,
@@ -140,6 +143,10 @@ pub(crate) fn open(
 ) -> Result<Box<dyn Endpoint>, CliError> {
     if name == "sim" {
         return Ok(Box::new(simulated.robot(robot)));
+    }
+    if let Some(elf) = name.strip_prefix("elf:") {
+        let base = BaseParameters::seeded(simulated.seed);
+        return Ok(Box::new(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base)));
     }
     let wire = port::open(name)?;
     Ok(Box::new(RealPort { wire, opened: Instant::now() }))

@@ -1,5 +1,6 @@
 //! What the command line says when something fails: what, why, and what to type next.
 
+use hil_sim::emulator::EmulatorError;
 use host::link::LinkError;
 use host::link::mission::MissionError;
 use host::link::port::PortError;
@@ -124,6 +125,12 @@ impl From<PortError> for CliError {
             PortError::Other { .. } => ("port.other", "wmr ports lists what is there".to_owned()),
         };
         Self::new(Exit::Port, code, error, help)
+    }
+}
+
+impl From<EmulatorError> for CliError {
+    fn from(error: EmulatorError) -> Self {
+        Self::advised(Exit::Port, "port.elf", &error, "build the firmware with firmware/build")
     }
 }
 

@@ -7,7 +7,7 @@ use host::geometry::{Point, Pose};
 use host::legs::{from_wire, planned_end};
 use host::link::mission::{Mission, MissionError, MissionEvent};
 use host::link::{LinkClient, LinkStatistics};
-use protocol::message::{LegResult, State, Telemetry};
+use protocol::message::{LegResult, RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -61,8 +61,10 @@ pub(crate) fn drive(
     catch_interrupts();
     let nonce = endpoint.nonce();
     let mut client = LinkClient::new(endpoint, nonce);
-    let limits = connect(&mut client)?;
+    let robot = connect(&mut client)?;
+    let limits = robot.limits;
     let legs = legs(&limits);
+    output.say(&format!("robot: {}; {} legs", describe_robot(&robot), legs.len()));
     let progress = output.progress(legs.len() as u64);
     let wire_start =
         motion::Pose::new(start.position.x as f32, start.position.y as f32, start.heading as f32);
@@ -113,13 +115,13 @@ pub(crate) fn drive(
     }
 }
 
-/// Says hello until the robot answers; its limits.
-pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Limits, CliError> {
+/// Says hello until the robot answers; who it is.
+pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<RobotHello, CliError> {
     loop {
         let now = client.port_mut().now();
         client.poll(now)?;
         if let Some(robot) = client.robot() {
-            return Ok(robot.limits);
+            return Ok(*robot);
         }
         if interrupted() {
             return Err(interrupted_error("nothing has moved"));
@@ -264,4 +266,13 @@ pub(crate) fn state_name(state: State) -> &'static str {
 /// A pose, for people.
 pub(crate) fn place(pose: Pose) -> String {
     format!("({:.3}, {:.3}) m, {:.1}°", pose.position.x, pose.position.y, pose.heading.to_degrees())
+}
+
+/// A robot, for people.
+pub(crate) fn describe_robot(robot: &RobotHello) -> String {
+    let ([major, minor, patch], limits) = (robot.firmware, robot.limits);
+    format!(
+        "{:?}, firmware {major}.{minor}.{patch}, up to {} m/s and {} m/s²",
+        robot.board, limits.speed.0, limits.acceleration.0
+    )
 }

@@ -45,21 +45,21 @@ pub(crate) fn list(output: Output) -> Result<(), CliError> {
 /// `wmr info`.
 pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
     let mut client = open_client(args)?;
-    mission::connect(&mut client)?;
-    let Some(robot) = client.robot() else { return Err(LinkError::Silent(Duration::ZERO).into()) };
-    let [major, minor, patch] = robot.firmware;
-    let board = format!("{:?}", robot.board);
+    let robot = mission::connect(&mut client)?;
+    let ([major, minor, patch], limits) = (robot.firmware, robot.limits);
     let document = json!({
-        "board": board, "firmware": format!("{major}.{minor}.{patch}"), "protocol": robot.version,
-        "limits": {"speed": robot.limits.speed, "acceleration": robot.limits.acceleration, "track": robot.limits.track},
+        "board": format!("{:?}", robot.board),
+        "firmware": format!("{major}.{minor}.{patch}"),
+        "protocol": robot.version,
+        "limits": {
+            "speed": limits.speed, "acceleration": limits.acceleration, "track": limits.track,
+        },
         "max_legs": robot.max_legs,
     });
     let text = format!(
-        "{board}, firmware {major}.{minor}.{patch}, protocol {}; {} m/s, {} m/s², track {} m, {} legs a plan",
+        "{}, protocol {}, {} legs a plan",
+        mission::describe_robot(&robot),
         robot.version,
-        robot.limits.speed.0,
-        robot.limits.acceleration.0,
-        robot.limits.track.0,
         robot.max_legs
     );
     output.result(&document, &text);

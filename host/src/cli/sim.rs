@@ -7,6 +7,7 @@ use super::input::{self, Input, Sight};
 use super::mission::{self, place};
 use super::output::Output;
 use hil_sim::base::{BaseParameters, TruePose};
+use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::pty::Pty;
 use hil_sim::realtime;
@@ -44,7 +45,10 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
         },
     };
     let base = BaseParameters::seeded(args.seed);
-    serve(world.with(InProcess::default(), base), args, output)
+    match &args.elf {
+        Some(elf) => serve(world.with(EmulatedPico::spawn(elf)?, base), args, output),
+        None => serve(world.with(InProcess::default(), base), args, output),
+    }
 }
 
 fn serve<B: Brain>(
