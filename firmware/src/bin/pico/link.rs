@@ -84,8 +84,19 @@ impl Wire {
         while self.outbound.len() < LOW_WATER {
             let count = robot.transmit(port, &mut frame);
             let bytes = frame.get(..count).unwrap_or_default();
-            if bytes.is_empty() || self.outbound.try_write(bytes).is_err() {
+            if bytes.is_empty() {
                 break;
+            }
+            self.queue(bytes);
+        }
+    }
+
+    /// The pipe takes bytes only up to its seam at once, so a frame may need two writes.
+    fn queue(&self, mut bytes: &[u8]) {
+        while let Ok(count @ 1..) = self.outbound.try_write(bytes) {
+            bytes = bytes.get(count..).unwrap_or_default();
+            if bytes.is_empty() {
+                return;
             }
         }
     }
