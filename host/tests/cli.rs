@@ -1,10 +1,12 @@
 //! The command line's contract: JSON documents, exit codes, errors that help, files that appear.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
 const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.json");
+const PAPER_PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.png");
 const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
 const PHOTO_ARENA: &str = "1.3x1.55";
 const PHOTO_GOAL: &str = "0.996,0.229";
@@ -104,6 +106,28 @@ fn the_papers_experiment_takes_27_seconds() {
     assert_arrived(&run);
     assert_eq!(number(&run["duration"]), 27.0);
     assert_eq!(run["legs"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn the_papers_experiment_is_found_in_a_picture_of_it() {
+    let drawn = host::picture::overhead::overhead_png(&paper_scene(), 250.0).unwrap();
+    assert!(
+        std::fs::read(PAPER_PHOTO).unwrap() == drawn,
+        "draw it anew: host/examples/paper_picture.rs"
+    );
+    let photo = [PAPER_PHOTO, "--arena", "1.6x2.0", "--goal", "1.4,1.75"];
+    let plan = succeed(&[&["plan"], &photo[..], &["--planner", "grid", "--json"]].concat());
+    assert_eq!((&plan["areas"]["start"], &plan["areas"]["goal"]), (&48.into(), &13.into()));
+    assert_eq!(plan["areas"]["traps"], serde_json::json!([20, 41]));
+    let run = succeed(
+        &[&["drive"], &photo[..], &["--port", "sim", "--timing", "paper", "--json"]].concat(),
+    );
+    assert_arrived(&run);
+    assert_eq!(number(&run["duration"]), 27.0);
+}
+
+fn paper_scene() -> host::scene::Scene {
+    host::scene::Scene::from_json(&std::fs::read_to_string(PAPER).unwrap()).unwrap()
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! `wmr sim` behind a pseudo-terminal and a socket, and `wmr drive` through them in real time.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 #![cfg(unix)]
 
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Vision on ray-traced pictures whose truth is known (tests/fixtures).
+//! Vision on ray-traced pictures whose truth is known.
 
 use host::geometry::{Arena, Rect};
 use host::vision::{DetectOptions, Method, decode, detect};
@@ -34,7 +34,7 @@ fn touching_a_wall() -> Truth {
 
 fn black_robot() -> Truth {
     Truth {
-        file: include_bytes!("../../tests/fixtures/L1_d05_robot.png"),
+        file: include_bytes!("../assets/demo.png"),
         arena: Arena { width: 1.3, height: 1.55 },
         boxes: &[
             [0.313, 0.233, 0.638, 0.653],

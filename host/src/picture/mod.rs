@@ -3,6 +3,7 @@
 mod floor;
 pub mod grid;
 pub mod motion;
+pub mod overhead;
 pub mod plan;
 pub mod svg;
 pub mod vision;
