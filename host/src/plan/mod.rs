@@ -11,6 +11,7 @@
 mod clearance;
 mod ends;
 mod error;
+mod exact;
 mod leg_test;
 mod local_path;
 mod ranked;
