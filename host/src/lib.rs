@@ -14,6 +14,7 @@ pub mod geometry;
 pub mod grid;
 pub mod legs;
 pub mod link;
+pub mod map;
 pub mod picture;
 pub mod plan;
 pub mod plan_file;

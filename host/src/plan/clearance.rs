@@ -35,7 +35,7 @@ fn span_distance(a: Point, b: Point, rect: &Rect) -> f64 {
 }
 
 /// The distance between a straight leg and a rectangle, metres.
-fn leg_distance(a: Point, b: Point, rect: &Rect) -> f64 {
+pub(super) fn leg_distance(a: Point, b: Point, rect: &Rect) -> f64 {
     let corners = [(rect.x0, rect.y0), (rect.x1, rect.y0), (rect.x1, rect.y1), (rect.x0, rect.y1)]
         .map(|(x, y)| Point::new(x, y));
     let side = |c: &Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);

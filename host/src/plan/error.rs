@@ -1,5 +1,6 @@
 //! Why there is no plan, with the numbers a person needs to change that.
 
+use super::Gap;
 use crate::geometry::{Arena, Point};
 use crate::grid::GridError;
 use std::fmt;
@@ -54,10 +55,11 @@ pub enum PlanError {
         nearest: Option<Point>,
     },
     /// No way leads from start to goal.
-    #[error(
-        "no way leads from the start to the goal; move an obstacle, or try a smaller radius or margin"
-    )]
-    NoPath,
+    #[error("no way leads from the start to the goal: {}", no_path_text(.gap))]
+    NoPath {
+        /// The widest gap that the robot would have to pass, if there is one at all.
+        gap: Option<Gap>,
+    },
     /// The independent test refused the path that the planner found.
     #[error("the path found fails the safety test between ({}, {}) and ({}, {}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
     Unsafe {
@@ -91,7 +93,7 @@ impl PlanError {
     /// A short name of the kind of error, for programs.
     ///
     /// ```
-    /// assert_eq!(host::plan::PlanError::NoPath.code(), "no_path");
+    /// assert_eq!(host::plan::PlanError::NoPath { gap: None }.code(), "no_path");
     /// ```
     pub fn code(&self) -> &'static str {
         match self {
@@ -101,7 +103,7 @@ impl PlanError {
             Self::Outside { end: End::Goal, .. } => "goal_outside",
             Self::Blocked { end: End::Start, .. } => "start_blocked",
             Self::Blocked { end: End::Goal, .. } => "goal_blocked",
-            Self::NoPath => "no_path",
+            Self::NoPath { .. } => "no_path",
             Self::Unsafe { .. } => "unsafe_path",
         }
     }
@@ -125,4 +127,20 @@ fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>)
         None => "no point of the arena is free".to_owned(),
     };
     format!("the {end} ({}, {}) m {why}; {next}", point.x, point.y)
+}
+
+fn no_path_text(gap: &Option<Gap>) -> String {
+    match gap {
+        Some(gap) => format!(
+            "the best way through is a gap of {:.1} cm between {} and {}, the robot with its margin \
+             needs {:.1} cm; widen the gap, or give a smaller radius or margin",
+            gap.width * 100.0,
+            gap.between[0],
+            gap.between[1],
+            gap.need * 100.0
+        ),
+        None => {
+            "obstacles that touch each other or the border shut it off; move one of them".to_owned()
+        }
+    }
 }

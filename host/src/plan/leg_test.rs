@@ -137,7 +137,7 @@ fn octant((x, y): (i64, i64)) -> usize {
 }
 
 /// Whether the leg from `a` to `b` passes through the inside of `rect`.
-fn crosses(a: LatticePoint, b: LatticePoint, rect: LatticeRect) -> bool {
+pub(super) fn crosses(a: LatticePoint, b: LatticePoint, rect: LatticeRect) -> bool {
     let span = spanned(a, b);
     let apart =
         span.x1 <= rect.x0 || rect.x1 <= span.x0 || span.y1 <= rect.y0 || rect.y1 <= span.y0;

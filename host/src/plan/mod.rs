@@ -1,42 +1,49 @@
 //! Finds the way from start to goal [Alghannam, Sec. III].
 //!
 //! ```text
-//! grid ─► global paths ─► entry and exit points ─► useless points dropped ─► safety test ─► plan
-//! areas   of areas        local paths, 0.1 mm      shortest over the rest    exact         metres
+//!           ┌► MiniMatrix ─► global paths ─► entry and exit points ─► useless points dropped ┐
+//! enlarge ──┤  (the paper's: Planner::Grid, Planner::Tree)                                     ├► safety ─► plan
+//! 0.1 mm    └► cells ─► portals ─► interval search   (Planner::Exact)                        ┘  test      metres
 //! ```
-//! [`plan`] shows the whole flow. Every path it returns has passed [`LegTest`], which looks at the
-//! grown boxes alone and shares nothing with the search. Metres outside, lattice units inside;
-//! the first and last waypoint are the given points to the last bit.
+//! [`plan`] shows the whole flow; [`PreparedArena`] keeps what many queries share. Every path has
+//! passed [`LegTest`], which looks at the grown boxes alone and shares nothing with the exact search.
+//! Metres outside, lattice units inside; the first and last waypoint are the given points to the last bit.
 
 mod clearance;
 mod ends;
 mod error;
 mod exact;
+mod exit;
+mod gap;
 mod leg_test;
 mod local_path;
+mod paper;
+mod prepared;
 mod ranked;
 mod shortest_path;
 mod tree;
 
 pub use clearance::clearance;
 pub use error::{Blocker, End, PlanError};
+pub use gap::{Gap, Side};
 pub use leg_test::LegTest;
 pub use local_path::{drop_useless_points, entry_exit_points};
+pub use paper::GridStages;
+pub use prepared::PreparedArena;
 pub use shortest_path::{GlobalPath, shortest_path};
 pub use tree::{NODE_LIMIT, PathTree, TreeNode, global_paths};
 
 use crate::geometry::Point;
-use crate::grid::{
-    Area, EnlargedArena, LatticePoint, LatticeRect, Margin, MiniMatrix, close_traps, enlarge,
-};
+use crate::grid::Margin;
 use crate::scene::Scene;
-use local_path::{Sight, length, shortest_over};
 
 /// How the way is searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Planner {
-    /// The paper's grid method with Dijkstra's algorithm: one global path, then shortened.
+    /// The exact shortest path among the grown boxes.
     #[default]
+    Exact,
+    /// The paper's grid method with Dijkstra's algorithm: one global path, then shortened.
     Grid,
     /// The paper's tree of all global paths, each shortened; the shortest wins.
     Tree,
@@ -70,31 +77,14 @@ pub struct Plan {
     pub waypoints: Vec<Point>,
     /// The length of the way, metres.
     pub length: f64,
-    /// The least distance of the way to the true obstacles and the arena's border, metres.
+    /// The least distance of the way to the true obstacles and the arena's border, metres. With an
+    /// exit leg it may be less than radius and margin, but never less than at the start.
     pub clearance: f64,
+    /// The length of the first leg, metres, if the robot stands nearer to an obstacle than radius and
+    /// margin allow (parked at a wall, say) and that leg only leads it away.
+    pub exit_leg: Option<f64>,
     /// What the grid method saw on the way.
     pub grid: Option<GridStages>,
-}
-
-/// The stages of the grid method, for pictures and for the curious.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GridStages {
-    /// The grown obstacles and the shrunk border.
-    pub arena: EnlargedArena,
-    /// The mini-matrix with its terminals, before traps are closed.
-    pub matrix: MiniMatrix,
-    /// The same with the traps closed.
-    pub closed: MiniMatrix,
-    /// The traps, in the order of closing.
-    pub traps: Vec<Area>,
-    /// The tree of global paths, if the planner grew one.
-    pub tree: Option<PathTree>,
-    /// The global path that was chosen.
-    pub global_path: GlobalPath,
-    /// Its start, entry and exit points and goal.
-    pub entry_exit_points: Vec<LatticePoint>,
-    /// Those of them that are left when the useless ones are dropped.
-    pub kept: Vec<LatticePoint>,
 }
 
 /// Plans the way of the robot of `scene` from `start` to `goal`.
@@ -118,63 +108,7 @@ pub fn plan(
     goal: Point,
     options: &PlanOptions,
 ) -> Result<Plan, PlanError> {
-    let arena = enlarge(scene, &options.margin)?;
-    let matrix = MiniMatrix::from_borders(&arena)?;
-    let free: Vec<LatticeRect> =
-        matrix.areas().filter(|&area| matrix.is_live(area)).map(|area| matrix.rect(area)).collect();
-    let from = ends::locate(End::Start, start, scene, &arena, &free)?;
-    let to = ends::locate(End::Goal, goal, scene, &arena, &free)?;
-    let stages =
-        grid_stages(arena, matrix, (from, to), options.planner).ok_or(PlanError::NoPath)?;
-    let waypoints = to_waypoints(&stages.kept, start, goal);
-    if let Err(leg) = LegTest::new(&stages.arena).check_path(&stages.kept) {
-        return Err(PlanError::Unsafe { from: waypoints[leg], to: waypoints[leg + 1] });
-    }
-    Ok(Plan {
-        planner: options.planner,
-        length: waypoints.windows(2).map(|leg| leg[0].distance(leg[1])).sum(),
-        clearance: clearance(&waypoints, scene),
-        waypoints,
-        grid: Some(stages),
-    })
-}
-
-/// The grid method from the mini-matrix to the points of the path; `None` if the areas do not connect.
-fn grid_stages(
-    arena: EnlargedArena,
-    mut matrix: MiniMatrix,
-    points: (LatticePoint, LatticePoint),
-    planner: Planner,
-) -> Option<GridStages> {
-    let ends = (matrix.mark_terminal(points.0)?, matrix.mark_terminal(points.1)?);
-    let mut closed = matrix.clone();
-    let traps = close_traps(&mut closed);
-    let mut sight = Sight::new(LegTest::new(&arena));
-    let local = |path: &GlobalPath| entry_exit_points(&closed, &path.areas, points.0, points.1);
-    let (global_path, tree) = match planner {
-        Planner::Grid => (shortest_path(&closed, ends, points)?, None),
-        Planner::Tree => {
-            let tree = global_paths(&closed, ends, points, NODE_LIMIT);
-            let shortened =
-                |&at: &usize| length(&shortest_over(&local(&tree.path(at)), &mut sight));
-            let lengths: Vec<f64> = tree.arrivals.iter().map(shortened).collect();
-            let best = (0..lengths.len()).min_by(|&a, &b| lengths[a].total_cmp(&lengths[b]))?;
-            (tree.path(tree.arrivals[best]), Some(tree))
-        }
-    };
-    let entry_exit_points = local(&global_path);
-    let kept = shortest_over(&entry_exit_points, &mut sight);
-    Some(GridStages { arena, matrix, closed, traps, tree, global_path, entry_exit_points, kept })
-}
-
-/// The points in metres, with the given start and goal to the last bit.
-fn to_waypoints(points: &[LatticePoint], start: Point, goal: Point) -> Vec<Point> {
-    let mut waypoints: Vec<Point> = points.iter().map(|point| point.to_metres()).collect();
-    if let [first, .., last] = waypoints.as_mut_slice() {
-        (*first, *last) = (start, goal);
-        return waypoints;
-    }
-    vec![start, goal]
+    PreparedArena::new(scene, options)?.plan(start, goal)
 }
 
 #[cfg(test)]

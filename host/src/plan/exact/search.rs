@@ -103,7 +103,7 @@ impl Search {
         self.prepare(mesh);
         let mut best = Best { length: f64::INFINITY, root: START };
         self.leave_start(mesh, query);
-        self.enqueue(mesh, query, best.length);
+        self.enqueue(query, best.length);
         while let Some(Ranked { cost, index }) = self.queue.pop() {
             if cost >= best.length {
                 break;
@@ -121,7 +121,7 @@ impl Search {
                 self.expand(mesh, &node, query);
                 match self.made[..] {
                     [only] => node = only,
-                    _ => break self.enqueue(mesh, query, best.length),
+                    _ => break self.enqueue(query, best.length),
                 }
             }
         }
@@ -305,7 +305,7 @@ impl Search {
     }
 
     /// Puts the nodes made last into the queue, those that cannot beat `best` left out.
-    fn enqueue(&mut self, _mesh: &Mesh, query: &Query, best: f64) {
+    fn enqueue(&mut self, query: &Query, best: f64) {
         for node in &self.made {
             let cost = node.root.length + least_length(node, query.goal);
             if cost < best {

@@ -1,0 +1,129 @@
+//! An arena prepared once for many queries.
+
+use super::exact::Exact;
+use super::exit::exit_point;
+use super::gap::narrowest_gap;
+use super::paper::grid_stages;
+use super::{End, LegTest, Plan, PlanError, PlanOptions, Planner, clearance, ends};
+use crate::geometry::Point;
+use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, enlarge};
+use crate::scene::Scene;
+
+/// A scene made ready for planning with one set of options.
+#[derive(Clone, Debug)]
+pub struct PreparedArena<'a> {
+    scene: &'a Scene,
+    options: &'a PlanOptions,
+    arena: EnlargedArena,
+    method: Method,
+}
+
+/// What the planner searches.
+#[derive(Clone, Debug)]
+enum Method {
+    Exact(Box<Exact>),
+    Paper { matrix: Box<MiniMatrix>, free: Vec<LatticeRect> },
+}
+
+impl<'a> PreparedArena<'a> {
+    /// Prepares `scene`: grows its obstacles and cuts the floor into cells or areas.
+    ///
+    /// # Errors
+    /// [`PlanError::Grid`] if the arena cannot be cut.
+    ///
+    /// ```
+    /// use host::{geometry::Point, plan::{PlanOptions, PreparedArena}, scene::Scene};
+    /// let (scene, options) = (Scene::new(2.0, 1.0), PlanOptions::default());
+    /// let mut arena = PreparedArena::new(&scene, &options)?;
+    /// let lengths: Vec<f64> = [0.5, 1.5]
+    ///     .map(|x| arena.plan(Point::new(0.5, 0.5), Point::new(x, 0.5)).map(|plan| plan.length))
+    ///     .into_iter()
+    ///     .collect::<Result<_, _>>()?;
+    /// assert_eq!(lengths, [0.0, 1.0]);
+    /// # Ok::<(), host::plan::PlanError>(())
+    /// ```
+    pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
+        let arena = enlarge(scene, &options.margin)?;
+        let method = match options.planner {
+            Planner::Exact => Method::Exact(Box::new(Exact::new(&arena))),
+            Planner::Grid | Planner::Tree => {
+                let matrix = Box::new(MiniMatrix::from_borders(&arena)?);
+                let live = matrix.areas().filter(|&area| matrix.is_live(area));
+                Method::Paper { free: live.map(|area| matrix.rect(area)).collect(), matrix }
+            }
+        };
+        Ok(Self { scene, options, arena, method })
+    }
+
+    /// Plans the way from `start` to `goal`.
+    ///
+    /// # Errors
+    /// [`PlanError`] if an end is outside or blocked, or nothing leads from one to the other.
+    pub fn plan(&mut self, start: Point, goal: Point) -> Result<Plan, PlanError> {
+        let to = self.locate(End::Goal, goal)?;
+        let (from, exits) = match self.locate(End::Start, start) {
+            Ok(at) => (at, false),
+            Err(blocked @ PlanError::Blocked { .. }) => {
+                (self.exit(start, to).ok_or(blocked)?, true)
+            }
+            Err(error) => return Err(error),
+        };
+        let no_path =
+            || PlanError::NoPath { gap: narrowest_gap(self.scene, &self.options.margin, from, to) };
+        let (points, grid) = match &mut self.method {
+            Method::Exact(exact) => (exact.shortest(from, to).ok_or_else(no_path)?, None),
+            Method::Paper { matrix, .. } => {
+                let grows_tree = self.options.planner == Planner::Tree;
+                let stages = grid_stages(&self.arena, matrix, (from, to), grows_tree);
+                let stages = stages.ok_or_else(no_path)?;
+                (stages.kept.clone(), Some(stages))
+            }
+        };
+        let waypoints = to_waypoints(&points, start, goal, exits);
+        if let Err(leg) = LegTest::new(&self.arena).check_path(&points) {
+            let leg = leg + usize::from(exits);
+            return Err(PlanError::Unsafe { from: waypoints[leg], to: waypoints[leg + 1] });
+        }
+        Ok(Plan {
+            planner: self.options.planner,
+            length: waypoints.windows(2).map(|leg| leg[0].distance(leg[1])).sum(),
+            clearance: clearance(&waypoints, self.scene),
+            exit_leg: exits.then(|| waypoints[0].distance(waypoints[1])),
+            waypoints,
+            grid,
+        })
+    }
+
+    fn locate(&self, end: End, point: Point) -> Result<LatticePoint, PlanError> {
+        ends::locate(end, point, self.scene, &self.arena, self.free())
+    }
+
+    /// Where the robot of a blocked `start` gets out to a place from which it reaches `goal`.
+    fn exit(&self, start: Point, goal: LatticePoint) -> Option<LatticePoint> {
+        let leads_on = |exit: LatticePoint| match &self.method {
+            Method::Exact(exact) => exact.connects(exit, goal),
+            Method::Paper { .. } => true,
+        };
+        exit_point(start, self.scene, &self.arena, self.free(), leads_on)
+    }
+
+    /// The rectangles in which the robot's centre may be, edges included.
+    fn free(&self) -> &[LatticeRect] {
+        match &self.method {
+            Method::Exact(exact) => exact.free(),
+            Method::Paper { free, .. } => free,
+        }
+    }
+}
+
+/// The points in metres, with the given start and goal to the last bit; a start that `exits` comes
+/// before the first of the points.
+fn to_waypoints(points: &[LatticePoint], start: Point, goal: Point, exits: bool) -> Vec<Point> {
+    let given = if exits { points } else { points.get(1..).unwrap_or_default() };
+    let mut waypoints = vec![start];
+    waypoints.extend(given.iter().map(|point| point.to_metres()));
+    if let [_, .., last] = waypoints.as_mut_slice() {
+        *last = goal;
+    }
+    waypoints
+}
