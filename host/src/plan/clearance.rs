@@ -1,6 +1,8 @@
 //! How far a path keeps from the true obstacles and the arena's border, metres.
 
+use super::box_index::BoxIndex;
 use crate::geometry::{Point, Rect};
+use crate::grid::{LatticeRect, UNITS_PER_METRE};
 use crate::scene::Scene;
 
 /// The least distance of the path over `waypoints` to the obstacles and the border of `scene`,
@@ -14,17 +16,59 @@ use crate::scene::Scene;
 /// assert!((clearance(&path, &scene) - 0.2).abs() < 1e-12);
 /// ```
 pub fn clearance(waypoints: &[Point], scene: &Scene) -> f64 {
-    let to_border =
-        |p: &Point| p.x.min(scene.arena.width - p.x).min(p.y).min(scene.arena.height - p.y);
-    let mut least = waypoints.iter().map(to_border).fold(f64::INFINITY, f64::min);
+    waypoints
+        .windows(2)
+        .fold(to_border(waypoints, scene), |least, leg| nearest(leg, scene.obstacles.iter(), least))
+}
+
+/// As [`clearance`], looking only at obstacles that the `index` of their grown boxes finds nearby.
+pub(super) fn clearance_by(index: &BoxIndex, waypoints: &[Point], scene: &Scene) -> f64 {
+    let mut least = to_border(waypoints, scene);
     for leg in waypoints.windows(2) {
-        for rect in &scene.obstacles {
-            if span_distance(leg[0], leg[1], rect) < least {
-                least = least.min(leg_distance(leg[0], leg[1], rect));
+        // Most legs touch a grown box; where nothing is that near, look twice as far around.
+        let mut reach = 2.0 * scene.robot_radius + LEAST_REACH;
+        loop {
+            let around = range(leg, reach.min(least));
+            let near = index.near(around).filter_map(|number| scene.obstacles.get(number));
+            least = nearest(leg, near, least);
+            if least <= reach {
+                break;
             }
+            reach *= 2.0;
         }
     }
     least
+}
+
+/// The first radius to look around a leg for a robot without width, metres.
+const LEAST_REACH: f64 = 0.05;
+
+fn to_border(waypoints: &[Point], scene: &Scene) -> f64 {
+    let to_border =
+        |p: &Point| p.x.min(scene.arena.width - p.x).min(p.y).min(scene.arena.height - p.y);
+    waypoints.iter().map(to_border).fold(f64::INFINITY, f64::min)
+}
+
+/// The least of `least` and the distances between the leg and the obstacles.
+fn nearest<'a>(leg: &[Point], obstacles: impl Iterator<Item = &'a Rect>, least: f64) -> f64 {
+    let &[a, b] = leg else { return least };
+    obstacles.fold(least, |least, rect| {
+        if span_distance(a, b, rect) < least { least.min(leg_distance(a, b, rect)) } else { least }
+    })
+}
+
+/// The lattice rectangle that reaches `reach` metres further than the leg on every side.
+fn range(leg: &[Point], reach: f64) -> LatticeRect {
+    // A cast stops at the largest integer, which is far beyond every arena.
+    let units = |metres: f64| (metres * UNITS_PER_METRE) as i32;
+    let least = |of: fn(&Point) -> f64| leg.iter().map(of).fold(f64::INFINITY, f64::min) - reach;
+    let most = |of: fn(&Point) -> f64| leg.iter().map(of).fold(f64::NEG_INFINITY, f64::max) + reach;
+    LatticeRect::new(
+        units(least(|p| p.x)) - 1,
+        units(least(|p| p.y)) - 1,
+        units(most(|p| p.x)).saturating_add(1),
+        units(most(|p| p.y)).saturating_add(1),
+    )
 }
 
 /// A lower bound of the distance: that of the rectangle around the leg.
@@ -61,6 +105,7 @@ fn point_to_leg(point: Point, a: Point, b: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::{Margin, enlarge};
     use proptest::prelude::*;
 
     #[test]
@@ -72,6 +117,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_index_changes_nothing(
+            boxes in proptest::collection::vec(proptest::array::uniform2(0.1..9.5_f64), 0..60),
+            path in proptest::collection::vec(proptest::array::uniform2(0.1..9.9_f64), 2..5),
+        ) {
+            let mut scene = Scene::new(10.0, 10.0);
+            scene.obstacles = boxes.iter().map(|&[x, y]| Rect::new(x, y, x + 0.3, y + 0.2)).collect();
+            let grown = enlarge(&scene, &Margin::default()).unwrap();
+            let index = BoxIndex::new(grown.inside, &grown.boxes);
+            let path: Vec<Point> = path.into_iter().map(Point::from).collect();
+            prop_assert_eq!(clearance_by(&index, &path, &scene), clearance(&path, &scene));
+        }
+
         #[test]
         fn no_sampled_point_of_the_leg_is_nearer(
             [ax, ay, bx, by] in proptest::array::uniform4(0.0..4.0_f64),

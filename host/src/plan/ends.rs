@@ -7,7 +7,8 @@ use crate::scene::Scene;
 
 /// The lattice point at which the way from or to `point` ends: a free one less than a unit away.
 ///
-/// `free` are the rectangles in which the robot's centre may be, their edges included.
+/// `free` are the rectangles in which the robot's centre may be, their edges included; `is_free` says
+/// whether one of them holds a point.
 ///
 /// # Errors
 /// [`PlanError::Outside`] or [`PlanError::Blocked`] with the nearest free point.
@@ -16,6 +17,7 @@ pub(super) fn locate(
     point: Point,
     scene: &Scene,
     arena: &EnlargedArena,
+    is_free: impl Fn(LatticePoint) -> bool,
     free: &[LatticeRect],
 ) -> Result<LatticePoint, PlanError> {
     let outside = PlanError::Outside { end, point, arena: scene.arena };
@@ -29,8 +31,7 @@ pub(super) fn locate(
         (f64::from(at.x) - point.x * UNITS_PER_METRE).abs() < 1.0
             && (f64::from(at.y) - point.y * UNITS_PER_METRE).abs() < 1.0
     };
-    let is_free = |at: &&LatticePoint| free.iter().any(|rect| rect.contains(**at));
-    match around.iter().filter(is_near).find(is_free) {
+    match around.iter().filter(is_near).find(|&&at| is_free(at)) {
         Some(&at) => Ok(at),
         None => Err(PlanError::Blocked {
             end,
@@ -80,7 +81,8 @@ mod tests {
         let arena = enlarge(&scene, &Margin::default()).unwrap();
         let free =
             [LatticeRect::new(750, 750, 4250, 9250), LatticeRect::new(6750, 750, 9250, 9250)];
-        locate(End::Goal, Point::new(x, y), &scene, &arena, &free)
+        let is_free = |at: LatticePoint| free.iter().any(|rect| rect.contains(at));
+        locate(End::Goal, Point::new(x, y), &scene, &arena, is_free, &free)
     }
 
     #[test]

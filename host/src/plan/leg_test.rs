@@ -8,18 +8,32 @@
 //! but at every point one of its two sides must be free. Where two boxes touch, or a box touches
 //! the border, there is no gap to pass. Lattice units.
 
+use super::box_index::BoxIndex;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, turn};
 
 /// The grown boxes, ready to be asked about legs.
-#[derive(Clone, Copy, Debug)]
-pub struct LegTest<'a> {
-    arena: &'a EnlargedArena,
+#[derive(Clone, Debug)]
+pub struct LegTest {
+    inside: LatticeRect,
+    boxes: Vec<LatticeRect>,
+    index: BoxIndex,
 }
 
-impl<'a> LegTest<'a> {
+impl LegTest {
     /// A test against the boxes and the border of `arena`.
-    pub fn new(arena: &'a EnlargedArena) -> Self {
-        Self { arena }
+    pub fn new(arena: &EnlargedArena) -> Self {
+        let index = BoxIndex::new(arena.inside, &arena.boxes);
+        Self { inside: arena.inside, boxes: arena.boxes.clone(), index }
+    }
+
+    /// The index of the grown boxes.
+    pub(super) fn index(&self) -> &BoxIndex {
+        &self.index
+    }
+
+    /// The grown boxes that touch `range`, and some others.
+    fn near(&self, range: LatticeRect) -> impl Iterator<Item = LatticeRect> {
+        self.index.near(range).map(|number| self.boxes[number])
     }
 
     /// Whether the straight leg from `a` to `b` is free.
@@ -37,11 +51,10 @@ impl<'a> LegTest<'a> {
     /// # Ok::<(), host::grid::GridError>(())
     /// ```
     pub fn is_free(&self, a: LatticePoint, b: LatticePoint) -> bool {
-        let inside = self.arena.inside;
-        if !(inside.contains(a) && inside.contains(b)) {
+        if !(self.inside.contains(a) && self.inside.contains(b)) {
             return false;
         }
-        if self.arena.boxes.iter().any(|&grown| crosses(a, b, grown)) {
+        if self.near(spanned(a, b)).any(|grown| crosses(a, b, grown)) {
             return false;
         }
         a == b || self.has_a_free_side(a, b)
@@ -73,7 +86,7 @@ impl<'a> LegTest<'a> {
         let between = |c: &LatticePoint| {
             turn(a, b, *c) == 0 && *c != a && *c != b && spanned(a, b).contains(*c)
         };
-        let corners = self.arena.boxes.iter().flat_map(|grown| grown.corners());
+        let corners = self.near(spanned(a, b)).flat_map(|grown| grown.corners());
         let mut stops: Vec<LatticePoint> = corners.filter(between).collect();
         stops.extend([a, b]);
         stops.sort_unstable();
@@ -103,10 +116,16 @@ impl<'a> LegTest<'a> {
     /// Which of the four quadrants around `point` (in half units) are free, counter-clockwise from
     /// the upper right.
     fn free_quadrants(&self, point: (i64, i64)) -> [bool; 4] {
-        QUADRANTS.map(|towards| {
-            reaches_into(self.arena.inside, point, towards)
-                && !self.arena.boxes.iter().any(|&grown| reaches_into(grown, point, towards))
-        })
+        // Half a unit more on all sides, so that what touches the point is among them.
+        let at = |half: i64| (half.div_euclid(2) as i32, (half + 1).div_euclid(2) as i32);
+        let ((x0, x1), (y0, y1)) = (at(point.0), at(point.1));
+        let mut free = QUADRANTS.map(|towards| reaches_into(self.inside, point, towards));
+        for grown in self.near(LatticeRect::new(x0, y0, x1, y1)) {
+            for (free, &towards) in free.iter_mut().zip(&QUADRANTS) {
+                *free &= !reaches_into(grown, point, towards);
+            }
+        }
+        free
     }
 }
 

@@ -55,12 +55,12 @@ pub fn entry_exit_points(
 /// Remembers between which points the robot can go directly.
 #[derive(Debug)]
 pub(super) struct Sight<'a> {
-    test: LegTest<'a>,
+    test: &'a LegTest,
     known: HashMap<(LatticePoint, LatticePoint), bool>,
 }
 
 impl<'a> Sight<'a> {
-    pub(super) fn new(test: LegTest<'a>) -> Self {
+    pub(super) fn new(test: &'a LegTest) -> Self {
         Self { test, known: HashMap::new() }
     }
 
@@ -74,7 +74,7 @@ impl<'a> Sight<'a> {
 ///
 /// Deviation: the paper drops one point after the other and leaves open which goes first; the
 /// shortest choice is taken.
-pub fn drop_useless_points(points: &[LatticePoint], test: LegTest) -> Vec<LatticePoint> {
+pub fn drop_useless_points(points: &[LatticePoint], test: &LegTest) -> Vec<LatticePoint> {
     shortest_over(points, &mut Sight::new(test))
 }
 
@@ -148,8 +148,8 @@ mod tests {
         let arena = around_one_box();
         let test = LegTest::new(&arena);
         let straight = points([(0, 0), (3, 0), (6, 0), (9, 0)]);
-        assert_eq!(drop_useless_points(&straight, test), points([(0, 0), (9, 0)]));
+        assert_eq!(drop_useless_points(&straight, &test), points([(0, 0), (9, 0)]));
         let corner = points([(1, 8), (1, 6), (1, 3), (3, 3), (6, 2), (8, 2)]);
-        assert_eq!(drop_useless_points(&corner, test), points([(1, 8), (3, 3), (8, 2)]));
+        assert_eq!(drop_useless_points(&corner, &test), points([(1, 8), (3, 3), (8, 2)]));
     }
 }

@@ -9,6 +9,7 @@
 //! passed [`LegTest`], which looks at the grown boxes alone and shares nothing with the exact search.
 //! Metres outside, lattice units inside; the first and last waypoint are the given points to the last bit.
 
+mod box_index;
 mod clearance;
 mod ends;
 mod error;

@@ -31,6 +31,7 @@ pub struct GridStages {
 /// by Dijkstra's algorithm; `None` if the areas do not connect.
 pub(super) fn grid_stages(
     arena: &EnlargedArena,
+    test: &LegTest,
     matrix: &MiniMatrix,
     points: (LatticePoint, LatticePoint),
     grows_tree: bool,
@@ -39,7 +40,7 @@ pub(super) fn grid_stages(
     let ends = (matrix.mark_terminal(points.0)?, matrix.mark_terminal(points.1)?);
     let mut closed = matrix.clone();
     let traps = close_traps(&mut closed);
-    let mut sight = Sight::new(LegTest::new(arena));
+    let mut sight = Sight::new(test);
     let local = |path: &GlobalPath| entry_exit_points(&closed, &path.areas, points.0, points.1);
     let (global_path, tree) = match grows_tree {
         false => (shortest_path(&closed, ends, points)?, None),

@@ -1,10 +1,11 @@
 //! An arena prepared once for many queries.
 
+use super::clearance::clearance_by;
 use super::exact::Exact;
 use super::exit::exit_point;
 use super::gap::narrowest_gap;
 use super::paper::grid_stages;
-use super::{End, LegTest, Plan, PlanError, PlanOptions, Planner, clearance, ends};
+use super::{End, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
 use crate::geometry::Point;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, enlarge};
 use crate::scene::Scene;
@@ -15,7 +16,9 @@ pub struct PreparedArena<'a> {
     scene: &'a Scene,
     options: &'a PlanOptions,
     arena: EnlargedArena,
+    test: LegTest,
     method: Method,
+    was_asked: bool,
 }
 
 /// What the planner searches.
@@ -52,7 +55,8 @@ impl<'a> PreparedArena<'a> {
                 Method::Paper { free: live.map(|area| matrix.rect(area)).collect(), matrix }
             }
         };
-        Ok(Self { scene, options, arena, method })
+        let test = LegTest::new(&arena);
+        Ok(Self { scene, options, arena, test, method, was_asked: false })
     }
 
     /// Plans the way from `start` to `goal`.
@@ -60,6 +64,12 @@ impl<'a> PreparedArena<'a> {
     /// # Errors
     /// [`PlanError`] if an end is outside or blocked, or nothing leads from one to the other.
     pub fn plan(&mut self, start: Point, goal: Point) -> Result<Plan, PlanError> {
+        if let Method::Exact(exact) = &mut self.method {
+            if self.was_asked {
+                exact.expect_many(self.arena.inside);
+            }
+            self.was_asked = true;
+        }
         let to = self.locate(End::Goal, goal)?;
         let (from, exits) = match self.locate(End::Start, start) {
             Ok(at) => (at, false),
@@ -74,20 +84,20 @@ impl<'a> PreparedArena<'a> {
             Method::Exact(exact) => (exact.shortest(from, to).ok_or_else(no_path)?, None),
             Method::Paper { matrix, .. } => {
                 let grows_tree = self.options.planner == Planner::Tree;
-                let stages = grid_stages(&self.arena, matrix, (from, to), grows_tree);
+                let stages = grid_stages(&self.arena, &self.test, matrix, (from, to), grows_tree);
                 let stages = stages.ok_or_else(no_path)?;
                 (stages.kept.clone(), Some(stages))
             }
         };
         let waypoints = to_waypoints(&points, start, goal, exits);
-        if let Err(leg) = LegTest::new(&self.arena).check_path(&points) {
+        if let Err(leg) = self.test.check_path(&points) {
             let leg = leg + usize::from(exits);
             return Err(PlanError::Unsafe { from: waypoints[leg], to: waypoints[leg + 1] });
         }
         Ok(Plan {
             planner: self.options.planner,
             length: waypoints.windows(2).map(|leg| leg[0].distance(leg[1])).sum(),
-            clearance: clearance(&waypoints, self.scene),
+            clearance: clearance_by(self.test.index(), &waypoints, self.scene),
             exit_leg: exits.then(|| waypoints[0].distance(waypoints[1])),
             waypoints,
             grid,
@@ -95,7 +105,11 @@ impl<'a> PreparedArena<'a> {
     }
 
     fn locate(&self, end: End, point: Point) -> Result<LatticePoint, PlanError> {
-        ends::locate(end, point, self.scene, &self.arena, self.free())
+        let is_free = |at: LatticePoint| match &self.method {
+            Method::Exact(exact) => exact.holds(at),
+            Method::Paper { free, .. } => free.iter().any(|rect| rect.contains(at)),
+        };
+        ends::locate(end, point, self.scene, &self.arena, is_free, self.free())
     }
 
     /// Where the robot of a blocked `start` gets out to a place from which it reaches `goal`.

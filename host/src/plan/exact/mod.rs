@@ -11,6 +11,7 @@ mod mesh;
 mod search;
 mod sweep;
 
+use super::box_index::BoxIndex;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
 use mesh::Mesh;
 use search::{Query, Search};
@@ -23,6 +24,8 @@ pub(super) struct Exact {
     mesh: Mesh,
     /// By cell.
     components: Vec<u32>,
+    /// The cells by place, once many queries are expected.
+    index: Option<BoxIndex>,
     search: Search,
 }
 
@@ -32,12 +35,27 @@ impl Exact {
         let mesh = Mesh::from_slabs(&slabs);
         let components = mesh.components();
         let Slabs { cells, .. } = slabs;
-        Self { cells, mesh, components, search: Search::default() }
+        Self { cells, mesh, components, index: None, search: Search::default() }
     }
 
     /// The free floor as rectangles, edges included.
     pub(super) fn free(&self) -> &[LatticeRect] {
         &self.cells
+    }
+
+    /// Whether the robot's centre may be at `point`.
+    pub(super) fn holds(&self, point: LatticePoint) -> bool {
+        match &self.index {
+            Some(index) => index.at(point).any(|cell| self.cells[cell].contains(point)),
+            None => self.cells.iter().any(|cell| cell.contains(point)),
+        }
+    }
+
+    /// Makes what pays from the second query on.
+    pub(super) fn expect_many(&mut self, inside: LatticeRect) {
+        if self.index.is_none() {
+            self.index = Some(BoxIndex::new(inside, &self.cells));
+        }
     }
 
     /// Whether a way leads from one free point to the other.
@@ -67,9 +85,11 @@ impl Exact {
 
     /// The cells that hold `point`, edges included.
     fn cells_at(&self, point: LatticePoint) -> Vec<u32> {
-        let holds =
-            |(index, cell): (usize, &LatticeRect)| cell.contains(point).then_some(index as u32);
-        self.cells.iter().enumerate().filter_map(holds).collect()
+        let holds = |cell: &usize| self.cells[*cell].contains(point);
+        match &self.index {
+            Some(index) => index.at(point).filter(holds).map(|cell| cell as u32).collect(),
+            None => (0..self.cells.len()).filter(holds).map(|cell| cell as u32).collect(),
+        }
     }
 }
 
