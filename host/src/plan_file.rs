@@ -201,9 +201,12 @@ impl PlanFile {
                 return Err(torn(&format!("leg {}", index + 1)));
             }
         }
+        // A robot parked at a wall is led away from it: nowhere is it nearer than where it stands.
+        let parked = clearance(&self.waypoints[..1], &self.scene);
+        let radius = self.scene.robot_radius;
         let clearance = clearance(&self.waypoints, &self.scene);
-        if clearance + CLEARANCE_TOLERANCE < self.scene.robot_radius {
-            return Err(PlanFileError::Touches { clearance, radius: self.scene.robot_radius });
+        if clearance + CLEARANCE_TOLERANCE < radius.min(parked) || parked <= 0.0 {
+            return Err(PlanFileError::Touches { clearance, radius });
         }
         Ok(())
     }

@@ -97,6 +97,9 @@ pub(crate) struct PlanArgs {
     pub(crate) vision: VisionArgs,
     #[command(flatten)]
     pub(crate) way: WayArgs,
+    /// Plan all queries that the input lists, in one arena prepared once.
+    #[arg(long, conflicts_with_all = ["start", "goal", "output", "steps"])]
+    pub(crate) queries: bool,
     /// Write the plan to this file, for wmr drive.
     #[arg(short, long, value_name = "PLAN")]
     pub(crate) output: Option<PathBuf>,
@@ -121,8 +124,11 @@ pub(crate) struct WayArgs {
     #[arg(long, value_parser = quantity::distance, value_name = "M")]
     pub(crate) margin: Option<f64>,
     /// How the way is looked for.
-    #[arg(long, value_enum, default_value_t = PlannerName::Grid)]
+    #[arg(long, value_enum, default_value_t = PlannerName::Exact)]
     pub(crate) planner: PlannerName,
+    /// Side of a cell of a Moving AI map.
+    #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
+    pub(crate) resolution: f64,
     /// How the time of a leg is chosen.
     #[arg(long, value_enum, default_value_t = TimingName::Limits)]
     pub(crate) timing: TimingName,
@@ -136,6 +142,8 @@ pub(crate) struct WayArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PlannerName {
+    /// The exact shortest path among the enlarged obstacles.
+    Exact,
     /// The paper's grid method: Dijkstra over areas and their entry points.
     Grid,
     /// The paper's tree of all global paths.

@@ -28,13 +28,18 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         goal: Some(Goal { position: GOAL, heading: None }),
         radius: None,
         margin: None,
+        resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,
         leg_time: 9.0,
         no_reverse: false,
     };
     output.say(&format!("1. photo: {} × {} m arena, seen from above", ARENA.width, ARENA.height));
-    let seen = input::see(PHOTO.to_vec(), &vision, Sight { radius: None, keep_steps: true })?;
+    let seen = input::see(
+        PHOTO.to_vec(),
+        &vision,
+        Sight { radius: None, resolution: 1.0, keep_steps: true },
+    )?;
     output.say(detect::describe(&seen).trim_end());
     let input = Input::Photo(Box::new(seen));
     output.say("2. plan: the grid method");

@@ -18,7 +18,7 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
     let seen = input::see(
         bytes,
         &args.vision,
-        Sight { radius: Some(args.radius), keep_steps: args.steps.is_some() },
+        Sight { radius: Some(args.radius), resolution: 1.0, keep_steps: args.steps.is_some() },
     )?;
     if let Some(folder) = &args.steps {
         Folder::create(folder)?.vision(&seen, args.radius)?;

@@ -15,7 +15,11 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     let input = input::read(
         &args.input,
         &args.vision,
-        Sight { radius: args.way.radius, keep_steps: args.log.is_some() },
+        Sight {
+            radius: args.way.radius,
+            resolution: args.way.resolution,
+            keep_steps: args.log.is_some(),
+        },
     )?;
     let way = way::find(&input, &args.way, MarginRule::ForDriving, output)?;
     let run = drive_way(&way, &args.way, &args.port, args.sim_seed, output)?;

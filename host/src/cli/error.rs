@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn advice_stands_after_the_semicolon() {
-        let error = CliError::from(PlanError::NoPath);
+        let error = CliError::from(PlanError::NoPath { gap: None });
         assert_eq!(error.exit, Exit::NoPath);
         assert_eq!(error.code, "plan.no_path");
         assert!(!error.help.is_empty() && !error.message.contains(';'), "{error:?}");

@@ -3,6 +3,7 @@
 use super::args::{MethodName, VisionArgs};
 use super::error::{CliError, Exit};
 use host::geometry::Arena;
+use host::map::{CellMap, MapError, ros_image_name};
 use host::picture::vision::{NamedPicture, vision_pictures};
 use host::plan_file::PlanFile;
 use host::scene::{DEFAULT_ROBOT_RADIUS, Scene};
@@ -29,19 +30,25 @@ pub(crate) struct SeenPhoto {
     pub(crate) detect_time: Duration,
 }
 
+/// A map names no robot: its cells are as wide as whatever moves there.
+const MAP_RADIUS: f64 = 0.0;
+
 /// The largest file that is read: 40 megapixels of uncompressed PNG are far below.
 const LARGEST_FILE: u64 = 256 << 20;
 
-/// What the robot's disc is taken for, and whether the steps of seeing are to be drawn.
+/// What the robot's disc is taken for, how large a map's cells are, and whether the steps of seeing
+/// are to be drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     pub(crate) radius: Option<f64>,
+    pub(crate) resolution: f64,
     pub(crate) keep_steps: bool,
 }
 
 /// Reads `path`, and if it is a photo, looks at it.
 pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Input, CliError> {
     let bytes = read_bytes(path)?;
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
         None => Err(CliError::new(
             Exit::File,
@@ -50,6 +57,10 @@ pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Inp
             "give a photo (PNG or JPEG), a scene or a plan",
         )),
         Some(b'{') => read_json(path, &bytes),
+        Some(_) if ending == "map" => read_moving_ai(path, &bytes, sight).map(Input::Scene),
+        Some(_) if matches!(ending, "yaml" | "yml") => {
+            read_ros(path, &bytes, sight).map(Input::Scene)
+        }
         Some(_) => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
     }
 }
@@ -75,6 +86,31 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
         return Err(CliError::new(Exit::File, "file.size", message, "scale the picture down"));
     }
     std::fs::read(path).map_err(failed)
+}
+
+fn read_moving_ai(path: &Path, bytes: &[u8], sight: Sight) -> Result<Scene, CliError> {
+    if sight.resolution <= 0.0 {
+        return Err(CliError::usage("a cell has no size", "give --resolution above 0, metres"));
+    }
+    let map = CellMap::from_movingai(&String::from_utf8_lossy(bytes), sight.resolution);
+    Ok(map.map_err(|error| map_error(path, &error))?.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))
+}
+
+fn read_ros(path: &Path, bytes: &[u8], sight: Sight) -> Result<Scene, CliError> {
+    let yaml = String::from_utf8_lossy(bytes);
+    let failed = |error| map_error(path, &error);
+    let picture = read_bytes(&path.with_file_name(ros_image_name(&yaml).map_err(failed)?))?;
+    let map = CellMap::from_ros(&yaml, &picture).map_err(failed)?;
+    Ok(map.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))
+}
+
+fn map_error(path: &Path, error: &MapError) -> CliError {
+    CliError::new(
+        Exit::File,
+        "map",
+        format!("{}: {error}", path.display()),
+        "give a Moving AI .map file, or the .yaml file of a ROS map beside its picture",
+    )
 }
 
 fn read_json(path: &Path, bytes: &[u8]) -> Result<Input, CliError> {

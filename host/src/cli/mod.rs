@@ -17,6 +17,7 @@ mod output;
 mod plan;
 mod ports;
 mod quantity;
+mod queries;
 mod sim;
 mod way;
 

@@ -5,6 +5,7 @@ use super::error::CliError;
 use super::folder::{Folder, write_file};
 use super::input::{self, Sight};
 use super::output::Output;
+use super::queries;
 use super::way::{self, MarginRule, PlannedWay};
 use serde_json::json;
 
@@ -13,8 +14,18 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
     let input = input::read(
         &args.input,
         &args.vision,
-        Sight { radius: args.way.radius, keep_steps: args.steps.is_some() },
+        Sight {
+            radius: args.way.radius,
+            resolution: args.way.resolution,
+            keep_steps: args.steps.is_some(),
+        },
     )?;
+    if args.queries {
+        let document = queries::answers(&input, &args.way)?;
+        let text = serde_json::to_string_pretty(&document).unwrap_or_default();
+        output.result(&document, &text);
+        return Ok(());
+    }
     let way = way::find(&input, &args.way, MarginRule::AsAsked, output)?;
     if let Some(path) = &args.output {
         write_file(path, format!("{}\n", json!(way.file)).as_bytes())?;

@@ -7,7 +7,7 @@ use super::output::Output;
 use host::geometry::Pose;
 use host::grid::Margin;
 use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::plan::{Plan, PlanError, PlanOptions, Planner, plan};
+use host::plan::{Plan, PlanError, PlanOptions, Planner, PreparedArena};
 use host::plan_file::{PlanFile, PlanTiming};
 use host::scene::{Goal, Scene};
 use protocol::motion::{Limits, Timing};
@@ -44,10 +44,7 @@ pub(crate) fn find(
     rule: MarginRule,
     output: Output,
 ) -> Result<PlannedWay, CliError> {
-    let planner = match args.planner {
-        PlannerName::Grid => Planner::Grid,
-        PlannerName::Tree => Planner::Tree,
-    };
+    let planner = planner(args.planner);
     match input {
         Input::Plan(file) if keeps_margin(file, args, rule) => {
             Ok(PlannedWay { file: (**file).clone(), plan: None })
@@ -93,28 +90,46 @@ fn plan_way(
 ) -> Result<PlannedWay, CliError> {
     let (start, goal) = ends(scene, args)?;
     let scene = Scene { start: Some(start), goal: Some(goal), ..scene.clone() };
-    let options = |uniform| PlanOptions {
-        planner,
-        margin: Margin { uniform, per_obstacle: margins.to_vec() },
-    };
     let tried: &[f64] = match (args.margin, rule) {
         (Some(asked), _) => &[asked],
         (None, MarginRule::AsAsked) => &[0.0],
         (None, MarginRule::ForDriving) => &DRIVE_MARGINS,
     };
-    let began = Instant::now();
-    let (plan, margin) = first_way(&scene, start, goal, tried, options)?;
-    let timing = PlanTiming { build: 0.0, query: began.elapsed().as_secs_f64() * 1e6 };
+    let options = |uniform| PlanOptions {
+        planner,
+        margin: Margin { uniform, per_obstacle: margins.to_vec() },
+    };
+    let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)?;
     if tried.first() != Some(&margin) {
         output.say(&format!(
             "there is no room for a margin of 10 mm; keeping {:.0} mm",
             margin * 1000.0
         ));
     }
+    if let Some(length) = plan.exit_leg {
+        output.say(&format!(
+            "the robot stands too near to something; its first {:.0} mm only lead away from it",
+            length * 1000.0
+        ));
+    }
+    let plan = with_grid(plan, &scene, (start, goal), options(margin));
     let legs =
         to_legs(&plan.waypoints, start.heading, goal.heading, &leg_options(args), &DEFAULT_LIMITS);
     let seconds = duration(&legs, &DEFAULT_LIMITS);
     Ok(PlannedWay { file: PlanFile::new(&plan, &scene, &legs, seconds, timing), plan: Some(plan) })
+}
+
+/// In an arena of so few obstacles the grid method takes no time worth mentioning.
+const FEW_OBSTACLES: usize = 60;
+
+/// The exact planner needs no mini-matrix; people and pictures like one all the same.
+fn with_grid(plan: Plan, scene: &Scene, (start, goal): (Pose, Goal), options: PlanOptions) -> Plan {
+    if plan.grid.is_some() || scene.obstacles.len() > FEW_OBSTACLES {
+        return plan;
+    }
+    let options = PlanOptions { planner: Planner::Grid, ..options };
+    let grid = host::plan::plan(scene, start.position, goal.position, &options);
+    Plan { grid: grid.ok().and_then(|plan| plan.grid), ..plan }
 }
 
 /// The legs that drive a plan within a robot's limits.
@@ -135,25 +150,50 @@ fn leg_options(args: &WayArgs) -> LegOptions {
     }
 }
 
+/// The way with the first of `margins` that leaves one, that margin, and how long planning took.
 fn first_way(
     scene: &Scene,
     start: Pose,
     goal: Goal,
     margins: &[f64],
     options: impl Fn(f64) -> PlanOptions,
-) -> Result<(Plan, f64), PlanError> {
-    let mut last = PlanError::NoPath;
-    for &margin in margins {
-        match plan(scene, start.position, goal.position, &options(margin)) {
-            Ok(plan) => return Ok((plan, margin)),
-            Err(error @ (PlanError::NoPath | PlanError::Blocked { .. })) => last = error,
+) -> Result<(Plan, f64, PlanTiming), PlanError> {
+    let mut last = PlanError::NoPath { gap: None };
+    for (index, &margin) in margins.iter().enumerate() {
+        let options = options(margin);
+        let began = Instant::now();
+        let mut arena = PreparedArena::new(scene, &options)?;
+        let build = microseconds(began);
+        let began = Instant::now();
+        match arena.plan(start.position, goal.position) {
+            // A robot that would have to be led away for the margin alone may do with less.
+            Ok(plan) if plan.exit_leg.is_none() || index + 1 == margins.len() => {
+                return Ok((plan, margin, PlanTiming { build, query: microseconds(began) }));
+            }
+            Ok(_) => {}
+            Err(error @ (PlanError::NoPath { .. } | PlanError::Blocked { .. })) => last = error,
             Err(error) => return Err(error),
         }
     }
     Err(last)
 }
 
-fn with_radius(scene: &Scene, radius: Option<f64>) -> Scene {
+/// The time since then, microseconds.
+pub(crate) fn microseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e6
+}
+
+/// The planner of that name.
+pub(crate) fn planner(name: PlannerName) -> Planner {
+    match name {
+        PlannerName::Exact => Planner::Exact,
+        PlannerName::Grid => Planner::Grid,
+        PlannerName::Tree => Planner::Tree,
+    }
+}
+
+/// `scene` for a robot of another radius, if one is given.
+pub(crate) fn with_radius(scene: &Scene, radius: Option<f64>) -> Scene {
     Scene { robot_radius: radius.unwrap_or(scene.robot_radius), ..scene.clone() }
 }
 

@@ -54,6 +54,7 @@ impl Planner {
     /// The planner's name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Exact => "exact",
             Self::Grid => "grid",
             Self::Tree => "tree",
         }

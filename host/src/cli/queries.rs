@@ -1,0 +1,38 @@
+//! `wmr plan --queries`: all the ways that an arena file asks for, in one arena prepared once.
+
+use super::args::WayArgs;
+use super::error::CliError;
+use super::input::Input;
+use super::way::{microseconds, planner, with_radius};
+use host::grid::Margin;
+use host::plan::{PlanOptions, PreparedArena};
+use serde_json::{Value, json};
+use std::time::Instant;
+
+/// Plans the queries of a scene; an answer or an error each, in their order.
+pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> {
+    let Input::Scene(scene) = input else {
+        return Err(CliError::usage(
+            "only an arena file lists queries",
+            "give a wmr-arena/1 file, or --start and --goal",
+        ));
+    };
+    let scene = with_radius(scene, args.radius);
+    let margin = Margin::uniform(args.margin.unwrap_or(0.0));
+    let options = PlanOptions { planner: planner(args.planner), margin };
+    let began = Instant::now();
+    let mut arena = PreparedArena::new(&scene, &options)?;
+    let build = microseconds(began);
+    let answers = scene.queries.iter().map(|query| {
+        let began = Instant::now();
+        let answer = arena.plan(query.start, query.goal);
+        let timing = microseconds(began);
+        match answer {
+            Ok(plan) => {
+                json!({"length": plan.length, "waypoints": plan.waypoints, "timing_us": timing})
+            }
+            Err(error) => CliError::from(error).json(),
+        }
+    });
+    Ok(json!({"queries": answers.collect::<Vec<_>>(), "timing_us": {"build": build}}))
+}
