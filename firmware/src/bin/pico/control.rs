@@ -37,7 +37,6 @@ async fn main(threads: Spawner) {
     let mut parts = board::take();
     parts.watchdog.start(WATCHDOG_TIMEOUT);
     let boot = Boot { nonce: faults::boot_nonce(&mut parts.watchdog), board: BOARD };
-    let robot = Robot::new(Parameters::default(), boot);
 
     // The timer and the UART stay above the control task: their handlers are short, and the UART's
     // buffer would overflow during a long tick. USB can wait: its host asks again.
@@ -45,7 +44,7 @@ async fn main(threads: Spawner) {
     interrupt::USBCTRL_IRQ.set_priority(Priority::P2);
     let interrupts = EXECUTOR.start(interrupt::SWI_IRQ_1);
     if let (Ok(control), Ok(link)) =
-        (control(parts.base, robot, parts.watchdog), link::link(parts.uart, parts.usb))
+        (control(parts.base, boot, parts.watchdog), link::link(parts.uart, parts.usb))
     {
         interrupts.spawn(control);
         threads.spawn(link);
@@ -55,9 +54,10 @@ async fn main(threads: Spawner) {
     core::future::pending::<()>().await;
 }
 
-/// Owns the robot.
+/// Owns the robot, which is made here: several kilobytes that would otherwise lie on the stack too.
 #[embassy_executor::task]
-async fn control(mut base: Base, mut robot: Robot, mut watchdog: Watchdog) {
+async fn control(mut base: Base, boot: Boot, mut watchdog: Watchdog) {
+    let mut robot = Robot::new(Parameters::default(), boot);
     let mut ticker = Ticker::every(TICK);
     let mut silent_ticks = 0;
     loop {
