@@ -13,6 +13,7 @@
 use crate::kinematics::BaseGeometry;
 use crate::parameters::Parameters;
 use protocol::motion::Pose;
+use protocol::trigonometry::sin_cos;
 use protocol::units::{Metres, Radians};
 
 /// The pose that the encoders tell.
@@ -51,7 +52,7 @@ impl Odometry {
         let delta = (right - left) as f32 * (metres_per_count / track.0);
         // sin(Δ/2)/(Δ/2) to fourth order; one tick turns by far less than 0.1 rad.
         let chord = s * (1.0 - delta * delta / 24.0);
-        let (sin, cos) = libm::sincosf(heading - delta / 2.0);
+        let (sin, cos) = sin_cos(heading - delta / 2.0);
         self.pose = Pose {
             x: Metres(self.pose.x.0 + chord * cos),
             y: Metres(self.pose.y.0 + chord * sin),

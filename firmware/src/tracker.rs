@@ -12,6 +12,7 @@
 //! | u1r, u2r | planned twist | m/s, rad/s |
 
 use protocol::motion::{Pose, Twist};
+use protocol::trigonometry::sin_cos;
 use protocol::units::{MetresPerSecond, Radians, RadiansPerSecond};
 
 /// How strongly deviations are corrected.
@@ -46,10 +47,10 @@ impl Default for TrackerGains {
 /// ```
 pub fn correct(planned: Twist, reference: Pose, measured: Pose, gains: &TrackerGains) -> Twist {
     let (dx, dy) = (reference.x.0 - measured.x.0, reference.y.0 - measured.y.0);
-    let (sin, cos) = libm::sincosf(measured.heading.0);
+    let (sin, cos) = sin_cos(measured.heading.0);
     let (ahead, left) = (cos * dx + sin * dy, cos * dy - sin * dx);
     let turn = Radians(reference.heading.0 - measured.heading.0).wrapped().0;
-    let (sin_turn, cos_turn) = libm::sincosf(turn);
+    let (sin_turn, cos_turn) = sin_cos(turn);
     let u1 = planned.linear.0;
     Twist {
         linear: MetresPerSecond(u1 * cos_turn + gains.along * ahead),

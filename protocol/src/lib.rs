@@ -11,4 +11,5 @@ pub mod frame;
 pub mod message;
 pub mod motion;
 pub mod session;
+pub mod trigonometry;
 pub mod units;

@@ -17,6 +17,7 @@
 //! heading: z2 runs from -tan(Δ/2) to tan(Δ/2). Turns of more than 120° run in equal parts.
 
 use super::{Direction, Interval, Leg, Limits, Pose, Profile, TICK, Timing};
+use crate::trigonometry::sin_cos;
 use crate::units::{Metres, Radians, Seconds};
 use core::f32::consts::{PI, TAU};
 use serde::{Deserialize, Serialize};
@@ -183,7 +184,7 @@ impl IntervalMotion {
         match self.interval {
             Interval::Drive => {
                 let displacement = self.change * self.profile.fraction(k);
-                let (sin, cos) = libm::sincosf(self.origin.heading.0);
+                let (sin, cos) = sin_cos(self.origin.heading.0);
                 Pose {
                     x: Metres(self.origin.x.0 + displacement * cos),
                     y: Metres(self.origin.y.0 + displacement * sin),

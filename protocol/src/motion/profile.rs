@@ -16,6 +16,7 @@
 //! | V, A | speed and acceleration limits of the rims | m/s, m/s² |
 
 use super::{Limits, PHASES_PER_TICK, TICK};
+use crate::trigonometry::sin_cos;
 use crate::units::{Metres, Seconds};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -99,7 +100,7 @@ impl Profile {
     fn first_half(self, k: u32) -> f32 {
         let (n, r, k) = (self.phases() as f32, self.ramp as f32, k as f32);
         if k < r {
-            (k - r / PI * libm::sinf(PI * k / r)) / (2.0 * (n - r))
+            (k - r / PI * sin_cos(PI * k / r).0) / (2.0 * (n - r))
         } else {
             (k - r / 2.0) / (n - r)
         }
