@@ -1,6 +1,8 @@
 //! End-to-end tests of wmr; this library holds what they share.
 #![allow(clippy::panic, reason = "a library of tests fails as tests do")]
 
+pub mod elf_file;
+
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
