@@ -69,7 +69,7 @@ pub fn encode<T: Serialize>(
     let length = postcard::to_slice(&(header, message), &mut content)
         .map_err(|_| FrameError::TooLong)?
         .len();
-    let (body, rest) = content.split_at_mut(length);
+    let (body, rest) = content.split_at_mut_checked(length).ok_or(FrameError::TooLong)?;
     let crc = CASTAGNOLI.checksum(body).to_le_bytes();
     rest.get_mut(..CRC_SIZE).ok_or(FrameError::TooLong)?.copy_from_slice(&crc);
     let content = content.get(..length + CRC_SIZE).ok_or(FrameError::TooLong)?;

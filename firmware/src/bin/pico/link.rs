@@ -76,10 +76,14 @@ impl Wire {
 
     /// Hands the robot what came in, and takes what it has to say. Called by the control task.
     pub(crate) fn serve(&self, robot: &mut Robot, port: Port) {
-        let mut chunk = [0; PER_TICK];
-        if let Ok(count) = self.inbound.try_read(&mut chunk) {
-            robot.receive(port, chunk.get(..count).unwrap_or_default());
+        let (mut chunk, mut count) = ([0; PER_TICK], 0);
+        // A pipe gives bytes only up to its seam at once.
+        while let Some(room @ [_, ..]) = chunk.get_mut(count..)
+            && let Ok(more) = self.inbound.try_read(room)
+        {
+            count += more;
         }
+        robot.receive(port, chunk.get(..count).unwrap_or_default());
         let mut frame = [0; MAX_FRAME];
         while self.outbound.len() < LOW_WATER {
             let count = robot.transmit(port, &mut frame);
