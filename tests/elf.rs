@@ -153,22 +153,32 @@ fn the_boot_loader_is_entered_on_command_at_rest() {
     assert!(step.boot_loader && !step.driver_enabled, "{step:?}");
 }
 
-/// A Pico whose wheels somebody turns, as a port.
+/// A Pico whose wheels somebody turns, as a port: its UART or its USB.
 struct Spun {
     pico: EmulatedPico,
+    usb: bool,
     counts: [i32; 2],
     to_robot: Vec<u8>,
     to_host: VecDeque<u8>,
 }
 
 impl Spun {
+    fn client(usb: bool) -> LinkClient<Self> {
+        let (to_robot, to_host) = (Vec::new(), VecDeque::new());
+        LinkClient::new(Self { pico: pico(), usb, counts: [0; 2], to_robot, to_host }, 7)
+    }
+
     /// Lets `steps` polls pass, in each of which the wheels turn by so many counts.
     fn turn(client: &mut LinkClient<Self>, steps: u32, counts: [i32; 2], now: &mut Duration) {
         for _ in 0..steps {
             let port = client.port_mut();
             port.counts = [port.counts[0] + counts[0], port.counts[1] + counts[1]];
-            let received = std::mem::take(&mut port.to_robot);
-            port.to_host.extend(port.pico.step(POLL, &received, port.counts).unwrap().uart_out);
+            let mut uart_in = std::mem::take(&mut port.to_robot);
+            if port.usb {
+                port.pico.send_usb(&std::mem::take(&mut uart_in));
+            }
+            let step = port.pico.step(POLL, &uart_in, port.counts).unwrap();
+            port.to_host.extend(if port.usb { step.usb_out } else { step.uart_out });
             *now += POLL;
             client.poll(*now).unwrap();
         }
@@ -197,8 +207,7 @@ impl Write for Spun {
 
 #[test]
 fn the_encoders_count_fifty_thousand_edges_a_second_exactly() {
-    let port = Spun { pico: pico(), counts: [0; 2], to_robot: vec![], to_host: VecDeque::new() };
-    let (mut client, mut now) = (LinkClient::new(port, 7), Duration::ZERO);
+    let (mut client, mut now) = (Spun::client(false), Duration::ZERO);
     Spun::turn(&mut client, 20, [0; 2], &mut now);
     Spun::turn(&mut client, 200, [250, 250], &mut now);
     Spun::turn(&mut client, 40, [0; 2], &mut now);
@@ -213,4 +222,23 @@ fn the_encoders_count_fifty_thousand_edges_a_second_exactly() {
     let heading = 200.0 * 495.0 * COUNT / TRACK;
     let error = (f64::from(turned) - heading).rem_euclid(TAU);
     assert!(error.min(TAU - error) < COUNT / TRACK / 2.0, "{turned} {heading}");
+}
+
+#[test]
+fn the_usb_port_answers_and_its_touch_starts_the_boot_loader() {
+    let (mut client, mut now) = (Spun::client(true), Duration::ZERO);
+    client.port_mut().pico.set_usb_line(115_200, true).unwrap();
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    assert!(client.robot().is_some(), "no answer over USB");
+    Spun::turn(&mut client, 40, [10, 10], &mut now);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    let pose = client.telemetry().unwrap().pose;
+    assert!((f64::from(pose.x.0) - 400.0 * COUNT).abs() < COUNT / 2.0, "{pose:?}");
+
+    let pico = &mut client.port_mut().pico;
+    for open in [true, false] {
+        pico.set_usb_line(1200, open).unwrap();
+        let step = pico.step(Duration::from_millis(50), &[], [400, 400]).unwrap();
+        assert_eq!(step.boot_loader, !open);
+    }
 }

@@ -6,6 +6,7 @@ import { Pio } from './pio.js';
 import { Pwm } from './pwm.js';
 import { Rosc } from './rosc.js';
 import { Uart } from './uart.js';
+import { UsbController } from './usb.js';
 import { Watchdog } from './watchdog.js';
 import { XipControl, callRom, installRom } from './xip_rom.js';
 
@@ -67,6 +68,7 @@ export class Chip {
     const { rp2040 } = this;
     rp2040.uart[0] = new Uart(rp2040, 'UART0', IRQ_UART0, onByte);
     rp2040.pio = [new Pio(rp2040, 'PIO0', IRQ_PIO0, 0), new Pio(rp2040, 'PIO1', IRQ_PIO1, 1)];
+    rp2040.usbCtrl = new UsbController(rp2040, 'USB');
     rp2040.pwm = new Pwm(rp2040, 'PWM', onOutput);
     this.watchdog = new Watchdog(rp2040, 'WATCHDOG', last?.watchdog, () => {
       this.resetAsked = true;
@@ -77,6 +79,7 @@ export class Chip {
       0x40050: rp2040.pwm,
       0x40058: this.watchdog,
       0x40060: new Rosc(rp2040, 'ROSC', randomBits),
+      0x50110: rp2040.usbCtrl,
       0x50200: rp2040.pio[0],
       0x50300: rp2040.pio[1],
     });

@@ -14,12 +14,13 @@ import { Motors } from './motors.js';
 import { RandomBits } from './rosc.js';
 import { SerialLine } from './serial_line.js';
 import { Ticks } from './ticks.js';
+import { UsbHost } from './usb.js';
 import { BATTERY_CHANNEL, BATTERY_FULL_SCALE } from './wiring.js';
 
 const FLASH_BYTES = 16 * 1024 * 1024;
 const ADC_RANGE = 4096;
 
-const Request = { STEP: 1, POWER_CYCLE: 2, FAULT: 3, STACK: 4 };
+const Request = { STEP: 1, POWER_CYCLE: 2, FAULT: 3, STACK: 4, USB_LINE: 5 };
 const Fault = { NONE: 0, FREEZE: 1, FREEZE_THREAD: 2, PANIC: 3, HARD_FAULT: 4 };
 const Flag = { DRIVER_ENABLED: 1, BOOT_LOADER: 2 };
 const OK = 0;
@@ -35,6 +36,7 @@ class Emulator {
     this.encoders = new Encoders();
     this.line = new SerialLine();
     this.ticks = new Ticks();
+    this.usb = new UsbHost();
     this.resets = 0;
     this.end = 0;
     this.batteryVolts = 0;
@@ -51,7 +53,8 @@ class Emulator {
       onByte: (byte) => this.line.sent.push(byte),
       onOutput: () => this.motors.changed(),
     });
-    for (const device of [this.motors, this.encoders, this.line, this.ticks]) device.attach(this.chip);
+    const { motors, encoders, line, ticks, usb } = this;
+    for (const device of [motors, encoders, line, ticks, usb]) device.attach(this.chip);
     this.setBattery(this.batteryVolts);
   }
 
@@ -66,6 +69,7 @@ class Emulator {
     const counts = [request.i32(), request.i32()];
     this.setBattery(request.f32());
     this.line.feed(request.bytes());
+    this.usb.feed(request.bytes());
     const start = this.end;
     this.end += duration;
     this.encoders.turn(start, this.end, counts);
@@ -76,8 +80,9 @@ class Emulator {
     const [left, right] = this.motors.takeMean(duration);
     const flags =
       (this.motors.enabled ? Flag.DRIVER_ENABLED : 0) | (this.chip.inBootLoader ? Flag.BOOT_LOADER : 0);
+    const ports = [bytes(this.line.take()), bytes(this.usb.take())];
     return Buffer.concat([
-      f64(left), f64(right), u32(this.resets), u8(flags), this.ticks.take(), bytes(this.line.take()),
+      f64(left), f64(right), u32(this.resets), u8(flags), this.ticks.take(), ...ports,
     ]);
   }
 
@@ -123,6 +128,9 @@ class Emulator {
         return Buffer.alloc(0);
       case Request.FAULT:
         this.fault(request.u8());
+        return Buffer.alloc(0);
+      case Request.USB_LINE:
+        this.usb.setLine(request.i32(), request.u8() !== 0);
         return Buffer.alloc(0);
       case Request.STACK:
         return u32(this.chip.stackHighWater(this.elf.staticEnd));

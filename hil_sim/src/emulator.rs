@@ -1,21 +1,23 @@
 //! The flashed ELF as a brain: an emulated Pico in a node process, run step by step.
 //!
 //! ```text
-//! step: duration, counts, battery, UART bytes ─► hil_sim/rp2040/emulator.js ─► duty, resets, UART bytes
+//! step: duration, counts, battery, bytes ─► hil_sim/rp2040/emulator.js ─► duty, resets, bytes
 //! ```
 //! Both ends exchange frames over the process's standard input and output: a length (u32), then
 //! the content, all little-endian.
 //!
 //! | request | content |
 //! |---|---|
-//! | step | 1, duration in ns (u64), counts (2 × i32), battery in V (f32), length (u32) and bytes for the UART |
+//! | step | 1, duration in ns (u64), counts (2 × i32), battery in V (f32), for the UART and for USB: length (u32) and bytes |
 //! | power cycle | 2 |
 //! | fault | 3, which one (u8) |
 //! | stack | 4 |
+//! | USB line | 5, baud (u32), open (u8) |
 //!
 //! An answer is 0 and its content, or 1 and a text that says what went wrong. The answer to a step is the
 //! mean duty (2 × f64), resets so far (u32), flags (u8), the number of ticks (u32) with start in ns (f64)
-//! and cycles (u32) of each, and length (u32) and bytes from the UART; that to a stack request is a u32.
+//! and cycles (u32) of each, and from the UART and from USB: length (u32) and bytes; that to a stack
+//! request is a u32.
 //!
 //! The same ELF and the same steps give the same answers.
 
@@ -37,6 +39,7 @@ const STEP: u8 = 1;
 const POWER_CYCLE: u8 = 2;
 const FAULT: u8 = 3;
 const STACK: u8 = 4;
+const USB_LINE: u8 = 5;
 
 const FLAG_DRIVER_ENABLED: u8 = 1;
 const FLAG_BOOT_LOADER: u8 = 2;
@@ -92,6 +95,8 @@ pub enum EmulatorError {
 pub struct Step {
     /// What the firmware has sent over its UART.
     pub uart_out: Vec<u8>,
+    /// What the firmware has sent over its USB serial port.
+    pub usb_out: Vec<u8>,
     /// The motors' mean duty over the step, left and right, -1..=1.
     pub duty: [f64; 2],
     /// How often the chip has been reset since it was spawned, for whatever reason.
@@ -135,6 +140,7 @@ pub struct EmulatedPico {
     requests: ChildStdin,
     answers: ChildStdout,
     battery_volts: f32,
+    usb_in: Vec<u8>,
 }
 
 impl EmulatedPico {
@@ -158,7 +164,7 @@ impl EmulatedPico {
         let (Some(requests), Some(answers)) = (process.stdin.take(), process.stdout.take()) else {
             return Err(node(io::ErrorKind::BrokenPipe.into()));
         };
-        let mut pico = Self { process, requests, answers, battery_volts: 0.0 };
+        let mut pico = Self { process, requests, answers, battery_volts: 0.0, usb_in: Vec::new() };
         pico.answer()?;
         Ok(pico)
     }
@@ -175,15 +181,16 @@ impl EmulatedPico {
         counts: [i32; 2],
     ) -> Result<Step, EmulatorError> {
         let nanos = u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX);
-        let length = u32::try_from(uart_in.len()).unwrap_or(u32::MAX);
         let [left, right] = counts;
         let mut request = vec![STEP];
         request.extend(nanos.to_le_bytes());
         request.extend(left.to_le_bytes());
         request.extend(right.to_le_bytes());
         request.extend(self.battery_volts.to_le_bytes());
-        request.extend(length.to_le_bytes());
-        request.extend(uart_in);
+        for bytes in [uart_in, &std::mem::take(&mut self.usb_in)] {
+            request.extend(u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes());
+            request.extend(bytes);
+        }
         let answer = self.ask(&request)?;
         Fields(&answer).step().ok_or(EmulatorError::Answer)
     }
@@ -199,6 +206,20 @@ impl EmulatedPico {
     /// Puts `volts` on the battery's divider from the next step on; 0 for none.
     pub fn set_battery(&mut self, volts: f32) {
         self.battery_volts = volts;
+    }
+
+    /// Plugs the USB cable in if it is not, and sets the serial port's speed and whether it is open.
+    ///
+    /// # Errors
+    /// If the emulator fails or has ended.
+    pub fn set_usb_line(&mut self, baud: u32, open: bool) -> Result<(), EmulatorError> {
+        let [a, b, c, d] = baud.to_le_bytes();
+        self.ask(&[USB_LINE, a, b, c, d, open.into()]).map(drop)
+    }
+
+    /// Sends bytes to the USB serial port, from the next step on.
+    pub fn send_usb(&mut self, bytes: &[u8]) {
+        self.usb_in.extend(bytes);
     }
 
     /// Does something bad to the firmware.
@@ -283,9 +304,9 @@ impl Fields<'_> {
                 Some(Tick { start, cycles: self.u32()? })
             })
             .collect::<Option<_>>()?;
-        let length = usize::try_from(self.u32()?).ok()?;
         Some(Step {
-            uart_out: self.0.get(..length)?.to_vec(),
+            uart_out: self.bytes()?,
+            usb_out: self.bytes()?,
             duty,
             resets,
             driver_enabled: flags & FLAG_DRIVER_ENABLED != 0,
@@ -298,6 +319,13 @@ impl Fields<'_> {
         let (bytes, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
         Some(*bytes)
+    }
+
+    fn bytes(&mut self) -> Option<Vec<u8>> {
+        let length = usize::try_from(self.u32()?).ok()?;
+        let (bytes, rest) = self.0.split_at_checked(length)?;
+        self.0 = rest;
+        Some(bytes.to_vec())
     }
 
     fn u32(&mut self) -> Option<u32> {
