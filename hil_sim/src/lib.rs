@@ -1,7 +1,7 @@
 //! A base that exists only in software: motors, wheels, encoders, wires and virtual time.
 //!
 //! ```text
-//! serial port, TCP, in process ─► simulation ─► brain (logic, or the flashed ELF) ─► base ─► world
+//! serial port, TCP, in process ─► wire ─► simulation ─► brain (logic, or the flashed ELF) ─► base ─► world
 //! ```
 //! It knows boxes, not scenes, and nothing of planning. Kinematics here are its own.
 
@@ -13,4 +13,5 @@ pub mod pty;
 pub mod realtime;
 pub mod simulation;
 pub mod tcp;
+pub mod wire;
 pub mod world;

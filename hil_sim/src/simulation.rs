@@ -1,13 +1,14 @@
 //! A base, its world and the firmware that drives it, in virtual time; towards the host, a serial port.
 //!
 //! ```text
-//! write ─► bytes ─► brain ─► duty ─► base ─► pose ─► world
-//! read  ◄─ bytes ◄───┘  ▲            │
-//!                       └── counts ◄─┘
+//! write ─► wire ─► brain ─► duty ─► base ─► pose ─► world
+//! read  ◄─ wire ◄───┘  ▲            │
+//!                      └── counts ◄─┘
 //! ```
 //! Time passes only in [`Simulation::wait`], so a run is the same every time and as fast as it computes.
 
 use crate::base::{TruePose, WheeledBase};
+use crate::wire::Wire;
 use crate::world::{Encounters, World};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -38,8 +39,9 @@ pub struct Simulation<B> {
     base: WheeledBase,
     world: Option<World>,
     encounters: Encounters,
-    to_robot: Vec<u8>,
-    to_host: VecDeque<u8>,
+    to_robot: Wire,
+    to_host: Wire,
+    arrived: VecDeque<u8>,
     now: Duration,
     owed: Duration,
 }
@@ -61,16 +63,37 @@ impl<B: Brain> Simulation<B> {
             base,
             world,
             encounters: Encounters::default(),
-            to_robot: Vec::new(),
-            to_host: VecDeque::new(),
+            to_robot: Wire::default(),
+            to_host: Wire::default(),
+            arrived: VecDeque::new(),
             now: Duration::ZERO,
             owed: Duration::ZERO,
         }
     }
 
+    /// The same with these wires, to the robot and to the host, in place of perfect ones.
+    pub fn with_wires(self, to_robot: Wire, to_host: Wire) -> Self {
+        Self { to_robot, to_host, ..self }
+    }
+
+    /// The wires, to the robot and to the host.
+    pub fn wires(&mut self) -> [&mut Wire; 2] {
+        [&mut self.to_robot, &mut self.to_host]
+    }
+
+    /// The firmware, as it runs.
+    pub fn brain(&self) -> &B {
+        &self.brain
+    }
+
+    /// Puts another firmware in the place of this one, as a reset does; the base rolls on.
+    pub fn replace_brain(&mut self, brain: B) {
+        self.brain = brain;
+    }
+
     /// Time since the start.
     pub fn now(&self) -> Duration {
-        self.now
+        self.now + self.owed
     }
 
     /// The firmware, for whoever means to disturb it.
@@ -94,10 +117,15 @@ impl<B: Brain> Simulation<B> {
         self.owed += duration;
         while self.owed >= B::STEP {
             self.owed -= B::STEP;
-            let received = std::mem::take(&mut self.to_robot);
-            let duty = self.brain.step(&received, self.base.counts(), &mut self.to_host)?;
-            self.base.step(duty, B::STEP.as_secs_f64());
             self.now += B::STEP;
+            let mut received = Vec::new();
+            while let Some(bytes) = self.to_robot.read(self.now) {
+                received.extend(bytes);
+            }
+            let mut sent = VecDeque::new();
+            let duty = self.brain.step(&received, self.base.counts(), &mut sent)?;
+            self.to_host.write(sent.make_contiguous(), self.now);
+            self.base.step(duty, B::STEP.as_secs_f64());
             if let Some(world) = &self.world {
                 self.encounters.observe(world.clearance(self.base.pose()));
             }
@@ -107,19 +135,23 @@ impl<B: Brain> Simulation<B> {
 }
 
 impl<B> Read for Simulation<B> {
-    /// What the robot has sent so far; like a port with nothing to say, `WouldBlock` if that is nothing.
+    /// What has arrived from the robot so far; like a port with nothing to say, `WouldBlock` if that is nothing.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.to_host.is_empty() {
+        while let Some(bytes) = self.to_host.read(self.now + self.owed) {
+            self.arrived.extend(bytes);
+        }
+        if self.arrived.is_empty() {
             Err(io::ErrorKind::WouldBlock.into())
         } else {
-            self.to_host.read(buffer)
+            self.arrived.read(buffer)
         }
     }
 }
 
 impl<B> Write for Simulation<B> {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.to_robot.write(buffer)
+        self.to_robot.write(buffer, self.now + self.owed);
+        Ok(buffer.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
