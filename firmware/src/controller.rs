@@ -14,7 +14,7 @@ use crate::odometry::Odometry;
 use crate::parameters::Parameters;
 use crate::tracker;
 use crate::wheel_loop::WheelLoop;
-use protocol::message::{Fault, LegResult, PauseReason, PlanRefusal, State};
+use protocol::message::{Fault, LegResult, PauseReason, Placement, PlanRefusal, State};
 use protocol::motion::{Leg, PHASES_PER_TICK, Pose, TICK, Twist, WheelSpeeds};
 use protocol::units::{MetresPerSecond, RadiansPerSecond};
 
@@ -120,23 +120,32 @@ impl Controller {
         &mut self.queue
     }
 
-    /// Takes the collected plan as the one to drive and begins it at its start pose.
+    /// Takes the collected batch of legs over; a robot that has nothing else to drive begins it.
+    ///
+    /// `room` is how many legs the robot may have, the one under way included.
     ///
     /// # Errors
     /// [`PlanRefusal`]; then nothing has changed.
-    pub fn commit(&mut self, plan: u32) -> Result<(), PlanRefusal> {
-        match self.state {
-            State::Stopped | State::Faulted(_) => return Err(PlanRefusal::NotCleared),
-            State::Driving | State::Paused(_) => return Err(PlanRefusal::NotAtRest),
-            State::Idle if !self.is_at_rest() => return Err(PlanRefusal::NotAtRest),
-            State::Idle => {}
+    pub fn commit(&mut self, plan: u32, room: usize) -> Result<(), PlanRefusal> {
+        if matches!(self.state, State::Stopped | State::Faulted(_)) {
+            return Err(PlanRefusal::NotCleared);
         }
-        let header = self.queue.commit(plan, &self.parameters.limits())?;
-        self.odometry = Odometry::new(header.start, self.counts);
-        self.wheels = self.counts.map(WheelLoop::new);
-        self.state = State::Driving;
-        self.pace = 1.0;
-        if let Some(leg) = self.queue.next_leg() {
+        let starts = self.queue.announced().is_some_and(|placement| placement.is_start());
+        if starts && !(self.state == State::Idle && self.is_at_rest()) {
+            return Err(PlanRefusal::NotAtRest);
+        }
+        let under_way = matches!(self.activity, Activity::Leg(_));
+        let room = room.saturating_sub(usize::from(under_way));
+        let header = self.queue.commit(plan, &self.parameters.limits(), room)?;
+        if let Placement::Start(pose) = header.placement {
+            self.odometry = Odometry::new(pose, self.counts);
+        }
+        if self.is_at_rest() {
+            self.wheels = self.counts.map(WheelLoop::new);
+            self.state = State::Driving;
+            self.pace = 1.0;
+        }
+        if !under_way && let Some(leg) = self.queue.next_leg() {
             self.begin(leg);
         }
         Ok(())
@@ -160,6 +169,9 @@ impl Controller {
     pub fn stop(&mut self) {
         if !matches!(self.state, State::Faulted(_)) {
             self.state = State::Stopped;
+        }
+        if self.is_at_rest() {
+            self.queue.clear();
         }
     }
 
@@ -203,10 +215,12 @@ impl Controller {
             }
             Activity::Settling { plan, .. } => {
                 let plan = *plan;
-                if self.state != State::Stopped {
+                self.activity = Activity::Resting;
+                if self.state == State::Stopped {
+                    self.queue.clear();
+                } else {
                     self.state = State::Idle;
                 }
-                self.rest();
                 Some(Event::PlanDone { plan, pose })
             }
         }

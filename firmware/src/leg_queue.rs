@@ -1,86 +1,164 @@
-//! The plan that is being received, and the plan that is being driven.
+//! The batch of legs that is being received, and the plan that is being driven.
 //!
-//! A plan is collected leg by leg beside the one that runs and takes its place only as a whole: the
-//! number of legs and their digest must be those announced, and every leg must be drivable.
+//! ```text
+//! begin ─► collect ─► commit ─► legs not begun ─► next_leg
+//! ```
+//! A batch is collected leg by leg beside the plan that runs and joins it only as a whole: the number
+//! of legs and their digest must be those announced, and every leg must be drivable. Legs have a
+//! place in their plan, so a batch that comes twice, late or with a gap is recognised.
 
-use heapless::Vec;
-use protocol::message::{MAX_LEGS, PlanHeader, PlanRefusal, plan_digest};
+use heapless::{Deque, Vec};
+use protocol::message::{Driven, MAX_LEGS, Placement, PlanHeader, PlanRefusal, plan_digest};
 use protocol::motion::{Leg, Limits};
-
-type Legs = Vec<Leg, MAX_LEGS>;
 
 /// Legs announced, legs collected, legs to drive.
 #[derive(Clone, Debug, Default)]
 pub struct LegQueue {
     header: Option<PlanHeader>,
-    collected: Legs,
+    collected: Vec<Leg, MAX_LEGS>,
     overflow: bool,
-    driven: Legs,
-    next: usize,
+    plan: Option<u32>,
+    waiting: Deque<Leg, MAX_LEGS>,
+    end: u16,
+    done: u16,
 }
 
 impl LegQueue {
-    /// Announces a plan; forgets what was collected before.
+    /// Announces a batch; forgets what was collected before.
     pub fn begin(&mut self, header: PlanHeader) {
         self.header = Some(header);
         self.collected.clear();
         self.overflow = false;
     }
 
-    /// Collects a leg. One of another plan or out of order makes the digest differ at the commit.
+    /// Collects a leg. One of another plan or out of order makes the batch incomplete.
     pub fn collect(&mut self, leg: Leg) {
         self.overflow |= self.collected.push(leg).is_err();
     }
 
-    /// Makes the collected plan the one to drive, and returns what was announced of it.
+    /// Where the announced batch goes, if one is announced.
+    pub fn announced(&self) -> Option<Placement> {
+        self.header.map(|header| header.placement)
+    }
+
+    /// Makes the collected batch part of the plan to drive, and returns what was announced of it.
+    ///
+    /// `room` is how many legs may wait in all.
     ///
     /// # Errors
-    /// [`PlanRefusal`] if it is not complete, or a leg cannot be driven; the queue is unchanged.
-    pub fn commit(&mut self, plan: u32, limits: &Limits) -> Result<PlanHeader, PlanRefusal> {
+    /// [`PlanRefusal`] if it is not complete, does not fit, or a leg cannot be driven; the plan is
+    /// then as before.
+    pub fn commit(
+        &mut self,
+        plan: u32,
+        limits: &Limits,
+        room: usize,
+    ) -> Result<PlanHeader, PlanRefusal> {
         let header =
             self.header.filter(|header| header.plan == plan).ok_or(PlanRefusal::Incomplete)?;
-        if self.overflow || usize::from(header.count) > MAX_LEGS {
-            return Err(PlanRefusal::TooManyLegs);
+        let kept = self.check_place(&header)?;
+        let room = room.saturating_sub(kept);
+        if self.overflow || usize::from(header.count) > room {
+            return Err(PlanRefusal::TooManyLegs { room: room as u16 });
         }
         if header.count == 0 {
             return Err(PlanRefusal::Empty);
         }
-        if !header.start.is_sane() {
-            return Err(PlanRefusal::Start);
-        }
-        self.check_complete(&header)?;
+        let end = self.check_complete(&header)?;
         for leg in &self.collected {
             let index = leg.index;
             leg.check(limits).map_err(|refusal| PlanRefusal::Leg { index, refusal })?;
         }
-        self.driven = core::mem::take(&mut self.collected);
-        self.next = 0;
-        self.header = None;
+        self.take_over(&header, kept, end);
         Ok(header)
     }
 
     /// The next leg to drive, once each.
     pub fn next_leg(&mut self) -> Option<Leg> {
-        let leg = self.driven.get(self.next).copied()?;
-        self.next += 1;
-        Some(leg)
+        self.waiting.pop_front()
+    }
+
+    /// The leg after the one under way, to look ahead.
+    pub fn upcoming(&self) -> Option<&Leg> {
+        self.waiting.front()
+    }
+
+    /// Takes note that a leg has ended.
+    pub fn finish_leg(&mut self, index: u16) {
+        self.done = index.wrapping_add(1);
+    }
+
+    /// The plan and how far it has been driven; `None` after a start or stop.
+    pub fn driven(&self) -> Option<Driven> {
+        self.plan.map(|plan| Driven { plan, next: self.done, end: self.end })
+    }
+
+    /// Forgets the legs of `plan` that have not begun.
+    pub fn cancel(&mut self, plan: u32) {
+        if self.plan == Some(plan) {
+            self.end = self.begun();
+            self.waiting.clear();
+        }
     }
 
     /// Forgets the plan that is driven.
     pub fn clear(&mut self) {
-        self.driven.clear();
-        self.next = 0;
+        self.plan = None;
+        self.waiting.clear();
     }
 
-    fn check_complete(&self, header: &PlanHeader) -> Result<(), PlanRefusal> {
+    /// The first leg that has not begun.
+    fn begun(&self) -> u16 {
+        self.end.wrapping_sub(self.waiting.len() as u16)
+    }
+
+    /// How many of the waiting legs stay in front of the announced batch.
+    fn check_place(&self, header: &PlanHeader) -> Result<usize, PlanRefusal> {
+        if let Placement::Start(pose) = header.placement {
+            return if pose.is_sane() { Ok(0) } else { Err(PlanRefusal::Start) };
+        }
+        if self.plan != Some(header.plan) {
+            return Err(PlanRefusal::OtherPlan);
+        }
+        let (begun, end) = (self.begun(), self.end);
+        let fits = match header.placement {
+            Placement::Replace => (begun..=end).contains(&header.first),
+            Placement::Append | Placement::Start(_) => header.first == end,
+        };
+        if !fits {
+            return Err(PlanRefusal::OutOfPlace { begun, end });
+        }
+        Ok(usize::from(header.first - begun))
+    }
+
+    /// The index after the batch's last leg, if the legs are those announced.
+    fn check_complete(&self, header: &PlanHeader) -> Result<u16, PlanRefusal> {
+        let end = header.first.checked_add(header.count).ok_or(PlanRefusal::Incomplete)?;
         let in_order = self
             .collected
             .iter()
-            .enumerate()
-            .all(|(index, leg)| leg.plan == header.plan && usize::from(leg.index) == index);
+            .zip(header.first..)
+            .all(|(leg, index)| leg.plan == header.plan && leg.index == index);
         let complete = self.collected.len() == usize::from(header.count)
             && plan_digest(&self.collected) == header.digest;
-        if in_order && complete { Ok(()) } else { Err(PlanRefusal::Incomplete) }
+        if in_order && complete { Ok(end) } else { Err(PlanRefusal::Incomplete) }
+    }
+
+    fn take_over(&mut self, header: &PlanHeader, kept: usize, end: u16) {
+        while self.waiting.len() > kept {
+            self.waiting.pop_back();
+        }
+        for leg in &self.collected {
+            // `commit` has checked that there is room.
+            let _ = self.waiting.push_back(*leg);
+        }
+        if matches!(header.placement, Placement::Start(_)) {
+            self.plan = Some(header.plan);
+            self.done = header.first;
+        }
+        self.end = end;
+        self.collected.clear();
+        self.header = None;
     }
 }
 
@@ -89,6 +167,7 @@ mod tests {
     use super::*;
     use crate::parameters::Parameters;
     use protocol::motion::{Direction, Pose, Position, Refusal, Timing};
+    use std::vec::Vec;
 
     fn leg(index: u16) -> Leg {
         Leg {
@@ -102,16 +181,30 @@ mod tests {
         }
     }
 
-    fn collect(legs: &[Leg], announced: &[Leg]) -> Result<PlanHeader, PlanRefusal> {
-        let mut queue = LegQueue::default();
+    fn commit(
+        queue: &mut LegQueue,
+        placement: Placement,
+        legs: &[Leg],
+        announced: &[Leg],
+    ) -> Result<PlanHeader, PlanRefusal> {
+        let first = announced.first().map_or(0, |leg| leg.index);
         let (count, digest) = (announced.len() as u16, plan_digest(announced));
-        queue.begin(PlanHeader { plan: 9, count, digest, start: Pose::default() });
+        queue.begin(PlanHeader { plan: 9, first, count, digest, placement });
         legs.iter().for_each(|leg| queue.collect(*leg));
-        queue.commit(9, &Parameters::default().limits())
+        queue.commit(9, &Parameters::default().limits(), MAX_LEGS)
+    }
+
+    const START: Placement = Placement::Start(Pose::new(0.0, 0.0, 0.0));
+
+    fn indices(mut queue: LegQueue) -> Vec<u16> {
+        std::iter::from_fn(|| queue.next_leg()).map(|leg| leg.index).collect()
     }
 
     #[test]
-    fn only_the_announced_legs_in_their_order_are_a_plan() {
+    fn only_the_announced_legs_in_their_order_are_a_batch() {
+        fn collect(legs: &[Leg], announced: &[Leg]) -> Result<PlanHeader, PlanRefusal> {
+            commit(&mut LegQueue::default(), START, legs, announced)
+        }
         let two = [leg(0), leg(1)];
         assert!(collect(&two, &two).is_ok());
         assert_eq!(collect(&two[..1], &two), Err(PlanRefusal::Incomplete));
@@ -126,7 +219,49 @@ mod tests {
     fn a_leg_that_cannot_be_driven_is_named() {
         let mut bad = leg(1);
         bad.goal = Position::new(f32::INFINITY, 0.0);
-        let refusal = collect(&[leg(0), bad], &[leg(0), bad]);
+        let batch = [leg(0), bad];
+        let refusal = commit(&mut LegQueue::default(), START, &batch, &batch);
         assert_eq!(refusal, Err(PlanRefusal::Leg { index: 1, refusal: Refusal::NotSane }));
+    }
+
+    #[test]
+    fn a_batch_goes_on_only_where_the_last_ended() {
+        let mut queue = LegQueue::default();
+        let (one, two) = ([leg(0), leg(1)], [leg(2), leg(3)]);
+        assert_eq!(commit(&mut queue, Placement::Append, &one, &one), Err(PlanRefusal::OtherPlan));
+        commit(&mut queue, START, &one, &one).unwrap();
+        commit(&mut queue, Placement::Append, &two, &two).unwrap();
+        let again = commit(&mut queue, Placement::Append, &two, &two);
+        assert_eq!(again, Err(PlanRefusal::OutOfPlace { begun: 0, end: 4 }));
+        assert_eq!(indices(queue), [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn only_legs_not_begun_can_be_replaced_or_cancelled() {
+        let mut queue = LegQueue::default();
+        let batch = [leg(0), leg(1), leg(2)];
+        commit(&mut queue, START, &batch, &batch).unwrap();
+        assert_eq!(queue.next_leg(), Some(leg(0)));
+        let late = commit(&mut queue, Placement::Replace, &batch, &batch);
+        assert_eq!(late, Err(PlanRefusal::OutOfPlace { begun: 1, end: 3 }));
+        let mut other = leg(2);
+        other.goal = Position::new(0.5, 0.5);
+        commit(&mut queue, Placement::Replace, &[other], &[other]).unwrap();
+        assert_eq!(queue.clone().waiting.back(), Some(&other));
+        assert_eq!(indices(queue.clone()), [1, 2]);
+        queue.cancel(9);
+        assert_eq!(queue.driven(), Some(Driven { plan: 9, next: 0, end: 1 }));
+        assert_eq!(indices(queue), []);
+    }
+
+    #[test]
+    fn a_batch_for_which_there_is_no_room_changes_nothing() {
+        let mut queue = LegQueue::default();
+        let full: Vec<_> = (0..MAX_LEGS as u16).map(leg).collect();
+        commit(&mut queue, START, &full, &full).unwrap();
+        let more = [leg(MAX_LEGS as u16)];
+        let refusal = commit(&mut queue, Placement::Append, &more, &more);
+        assert_eq!(refusal, Err(PlanRefusal::TooManyLegs { room: 0 }));
+        assert_eq!(indices(queue).len(), MAX_LEGS);
     }
 }

@@ -1,12 +1,33 @@
 //! One of the robot's two links: bytes to commands, reports to bytes.
+//!
+//! A host that says hello with a new nonce opens a new session and retires the last; hellos of
+//! retired hosts, which a bad wire may still deliver, are passed over. What is sent first: hello,
+//! the echo of a stop, reports, telemetry when it is due, and an acknowledgement only where nothing
+//! else carries it.
 
+use heapless::Deque;
 use protocol::frame::{Decoder, Header, encode};
-use protocol::message::{Command, Report, RobotHello, Telemetry};
+use protocol::message::{
+    Command, Driven, HostHello, PROTOCOL_VERSION, Report, RobotHello, Telemetry,
+};
+use protocol::schema::SCHEMA_HASH;
 use protocol::session::{Session, session_id};
 use protocol::units::Milliseconds;
 
 /// A telemetry frame is sent this often: 50 times a second is what 115 200 baud carries beside all else.
 const TELEMETRY_MILLISECONDS: u32 = 20;
+
+/// A wire may deliver a hello late by as many frames as this many hosts have said at least.
+const RETIRED_HOSTS: usize = 8;
+
+/// What a byte from the wire completes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Heard {
+    /// A host that is not the one before.
+    NewHost,
+    /// A command that overtakes those of the reliable lane.
+    Urgent(Command),
+}
 
 /// Decoder and session of one link.
 #[derive(Clone, Debug)]
@@ -14,7 +35,11 @@ pub(crate) struct LinkEnd {
     decoder: Decoder,
     hello: RobotHello,
     session: Option<Session<Report, Command>>,
+    retired: Deque<u32, RETIRED_HOSTS>,
+    same_protocol: bool,
     hello_due: bool,
+    stop: u8,
+    stop_echo_due: bool,
     telemetry_sent: Milliseconds,
 }
 
@@ -24,27 +49,33 @@ impl LinkEnd {
             decoder: Decoder::default(),
             hello,
             session: None,
+            retired: Deque::new(),
+            same_protocol: false,
             hello_due: false,
+            stop: 0,
+            stop_echo_due: false,
             telemetry_sent: Milliseconds(0),
         }
     }
 
-    /// Takes one byte; a command of the unreliable lane that it completes is returned at once.
-    pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Command> {
+    /// Takes one byte; what it completes and cannot wait for the reliable lane is returned at once.
+    pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Heard> {
         let (header, command) = self.decoder.push::<Command>(byte)?.ok()?;
         if let Command::Hello(hello) = command {
-            self.open(hello.nonce, now);
-            return Some(command);
+            return self.open(&hello, now).then_some(Heard::NewHost);
         }
         match self.session.as_mut().filter(|session| session.id() == header.session) {
             Some(session) => {
                 session.accept(&header, command, now);
-                header.sequence.is_none().then_some(command)
+                if let (Command::Stop { number }, true) = (command, header.sequence.is_none()) {
+                    self.hear_stop(number);
+                }
+                header.sequence.is_none().then_some(Heard::Urgent(command))
             }
             None => {
                 // The host speaks of a session from before a restart: tell it. A stop counts anyway.
                 self.hello_due = true;
-                (command == Command::Stop).then_some(command)
+                matches!(command, Command::Stop { .. }).then_some(Heard::Urgent(command))
             }
         }
     }
@@ -54,9 +85,24 @@ impl LinkEnd {
         self.session.as_mut()?.next_message()
     }
 
+    /// Whether the host means the same by its commands as this robot.
+    pub(crate) fn same_protocol(&self) -> bool {
+        self.same_protocol
+    }
+
+    /// The number of the last stop in this session, 0 for none.
+    pub(crate) fn last_stop(&self) -> u8 {
+        self.stop
+    }
+
     /// How long the host has been silent, milliseconds; `None` without a session.
     pub(crate) fn silence(&self, now: Milliseconds) -> Option<u32> {
         self.session.as_ref().map(|session| session.silence(now))
+    }
+
+    /// Whether a report could be put on the reliable lane.
+    pub(crate) fn has_room(&self) -> bool {
+        self.session.as_ref().is_some_and(|session| session.room() > 0)
     }
 
     /// Puts a report on the reliable lane, if there is a session with room.
@@ -68,6 +114,7 @@ impl LinkEnd {
     pub(crate) fn transmit(
         &mut self,
         telemetry: Telemetry,
+        driven: Option<Driven>,
         now: Milliseconds,
         out: &mut [u8],
     ) -> usize {
@@ -75,26 +122,57 @@ impl LinkEnd {
             self.hello_due = false;
             let session = self.session.as_ref().map_or(0, Session::id);
             let header = Header { session, ..Header::default() };
-            return encode(&header, &Report::Hello(self.hello), out).unwrap_or(0);
+            let hello = RobotHello { driven, ..self.hello };
+            return encode(&header, &Report::Hello(hello), out).unwrap_or(0);
         }
         let Some(session) = &mut self.session else { return 0 };
+        let echo = Report::Heartbeat { stop: self.stop };
+        if core::mem::take(&mut self.stop_echo_due) {
+            return session.write_unreliable(&echo, out);
+        }
         let length = session.poll(now, out);
         if length > 0 {
             return length;
         }
-        if now.since(self.telemetry_sent) < TELEMETRY_MILLISECONDS && !session.ack_due() {
-            return 0;
+        if now.since(self.telemetry_sent) >= TELEMETRY_MILLISECONDS {
+            self.telemetry_sent = now;
+            return session.write_unreliable(&Report::Telemetry(telemetry), out);
         }
-        self.telemetry_sent = now;
-        session.write_unreliable(&Report::Telemetry(telemetry), out)
+        if session.ack_due() {
+            return session.write_unreliable(&echo, out);
+        }
+        0
     }
 
-    fn open(&mut self, host_nonce: u32, now: Milliseconds) {
-        self.hello_due = true;
-        let id = session_id(host_nonce, self.hello.nonce);
-        if self.session.as_ref().is_none_or(|session| session.id() != id) {
-            self.hello.host_nonce = host_nonce;
-            self.session = Some(Session::new(id, now));
+    /// Answers a hello; true if it is that of a new host.
+    fn open(&mut self, host: &HostHello, now: Milliseconds) -> bool {
+        if self.retired.iter().any(|nonce| *nonce == host.nonce) {
+            return false;
         }
+        self.hello_due = true;
+        let id = session_id(host.nonce, self.hello.nonce);
+        if self.session.as_ref().is_some_and(|session| session.id() == id) {
+            return false;
+        }
+        if self.session.is_some() {
+            if self.retired.is_full() {
+                self.retired.pop_front();
+            }
+            // There is room now.
+            let _ = self.retired.push_back(self.hello.host_nonce);
+        }
+        self.hello.host_nonce = host.nonce;
+        self.same_protocol = host.version == PROTOCOL_VERSION && host.schema == SCHEMA_HASH;
+        self.stop = 0;
+        self.session = Some(Session::new(id, now));
+        true
+    }
+
+    fn hear_stop(&mut self, number: u8) {
+        // A stop that others have overtaken is not the newest; half the circle tells which.
+        if number.wrapping_sub(self.stop) < 128 {
+            self.stop = number;
+        }
+        self.stop_echo_due = true;
     }
 }

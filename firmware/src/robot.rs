@@ -8,14 +8,15 @@
 //! the tests call the same three: [`Robot::receive`], [`Robot::tick`], [`Robot::transmit`].
 
 use crate::controller::{Controller, Event};
-use crate::link_end::LinkEnd;
+use crate::link_end::{Heard, LinkEnd};
 use crate::parameters::Parameters;
 use heapless::Deque;
 use protocol::message::{
-    Board, Command, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal, Reboot, Report,
-    RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
+    Board, Command, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal, Reboot,
+    Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
+use protocol::schema::SCHEMA_HASH;
 use protocol::units::Milliseconds;
 
 /// Which wire bytes come from or go to.
@@ -52,9 +53,8 @@ pub struct Actuation {
     pub reboot: Option<Reboot>,
 }
 
-/// Reports that wait for room in the session; the host's silence stops the robot long before it
-/// could end this many legs.
-const WAITING_REPORTS: usize = 16;
+/// Answers that wait for room in the session; no command is taken while they are this many.
+const ANSWERS: usize = 4;
 
 /// One robot.
 #[derive(Clone, Debug)]
@@ -63,7 +63,9 @@ pub struct Robot {
     usb: LinkEnd,
     uart: LinkEnd,
     owner: Option<Port>,
-    waiting: Deque<Report, WAITING_REPORTS>,
+    answers: Deque<Report, ANSWERS>,
+    results: Deque<LegResult, { MAX_LEGS + 1 }>,
+    plan_done: Option<Report>,
     reboot: Option<Reboot>,
     ticks: u32,
 }
@@ -73,19 +75,24 @@ impl Robot {
     pub fn new(parameters: Parameters, boot: Boot) -> Self {
         let hello = RobotHello {
             version: PROTOCOL_VERSION,
+            schema: SCHEMA_HASH,
             host_nonce: 0,
             nonce: boot.nonce,
             board: boot.board,
             firmware: FIRMWARE_VERSION,
+            git: FIRMWARE_GIT,
             limits: parameters.limits(),
             max_legs: MAX_LEGS as u16,
+            driven: None,
         };
         Self {
             controller: Controller::new(parameters),
             usb: LinkEnd::new(hello),
             uart: LinkEnd::new(hello),
             owner: None,
-            waiting: Deque::new(),
+            answers: Deque::new(),
+            results: Deque::new(),
+            plan_done: None,
             reboot: None,
             ticks: 0,
         }
@@ -95,13 +102,13 @@ impl Robot {
     pub fn receive(&mut self, port: Port, bytes: &[u8]) {
         let now = self.now();
         for byte in bytes {
-            if let Some(command) = self.link(port).receive(*byte, now) {
-                self.obey(port, command);
+            match self.link(port).receive(*byte, now) {
+                Some(Heard::NewHost) => self.meet(port),
+                Some(Heard::Urgent(command)) => self.obey(port, command),
+                None => {}
             }
         }
-        while let Some(command) = self.link(port).next_command() {
-            self.obey(port, command);
-        }
+        self.take_commands(port);
     }
 
     /// One control tick; to be called every 5 ms.
@@ -114,11 +121,21 @@ impl Robot {
         }
         let (duty, event) = self.controller.tick(sensors.counts);
         match event {
-            Some(Event::LegDone(result)) => self.report(Report::LegDone(result)),
-            Some(Event::PlanDone { plan, pose }) => self.report(Report::PlanDone { plan, pose }),
+            Some(Event::LegDone(result)) => {
+                self.controller.queue().finish_leg(result.index);
+                // `commit` never lets more legs in than there is room for results.
+                let _ = self.results.push_back(result);
+            }
+            Some(Event::PlanDone { plan, pose }) => {
+                let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
+                self.plan_done = Some(Report::PlanDone { plan, end, pose });
+            }
             None => {}
         }
         self.flush();
+        for port in [Port::Usb, Port::Uart] {
+            self.take_commands(port);
+        }
         let reboot = if self.controller.is_at_rest() { self.reboot.take() } else { None };
         Actuation { duty, reboot }
     }
@@ -129,7 +146,8 @@ impl Robot {
     /// not written.
     pub fn transmit(&mut self, port: Port, out: &mut [u8]) -> usize {
         let (telemetry, now) = (self.telemetry(), self.now());
-        self.link(port).transmit(telemetry, now, out)
+        let driven = self.controller.queue().driven();
+        self.link(port).transmit(telemetry, driven, now, out)
     }
 
     /// Asks for a restart, as a command from the host does: [`Robot::tick`] grants it at rest.
@@ -147,27 +165,59 @@ impl Robot {
         self.controller.state()
     }
 
+    /// A host that begins anew does not know of the plan that runs, and hello tells it what ended.
+    fn meet(&mut self, port: Port) {
+        if self.owner == Some(port) {
+            self.controller.pause(PauseReason::Silence);
+            self.forget_reports();
+        }
+    }
+
+    fn forget_reports(&mut self) {
+        self.answers.clear();
+        self.results.clear();
+        self.plan_done = None;
+    }
+
+    /// Obeys the reliable lane, as long as there is room for what there is to say about it. What
+    /// waits there also keeps the host from sending more.
+    fn take_commands(&mut self, port: Port) {
+        let owns = self.owner == Some(port);
+        while self.link(port).has_room()
+            && !(owns && (self.answers.is_full() || self.plan_done.is_some()))
+        {
+            let Some(command) = self.link(port).next_command() else { return };
+            self.obey(port, command);
+        }
+    }
+
     fn obey(&mut self, port: Port, command: Command) {
         match command {
-            Command::Hello(_) if self.owner == Some(port) => {
-                // A host that begins anew does not know of the plan that runs.
-                self.controller.pause(PauseReason::Silence);
-            }
             Command::Hello(_) | Command::Heartbeat => {}
-            Command::Stop => self.controller.stop(),
-            _ if !self.may_move(port) => {
-                if let Command::PlanCommit { plan } = command {
-                    let reason = PlanRefusal::NotOwner;
-                    self.link(port).report(Report::PlanRefused { plan, reason });
-                }
+            Command::Stop { .. } => self.controller.stop(),
+            _ if !self.link(port).same_protocol() && !matches!(command, Command::Reboot(_)) => {
+                self.refuse(port, command, PlanRefusal::WrongProtocol);
             }
+            _ if !self.may_move(port) => self.refuse(port, command, PlanRefusal::NotOwner),
             Command::PlanBegin(header) => self.controller.queue().begin(header),
             Command::PlanLeg(leg) => self.controller.queue().collect(leg),
             Command::PlanCommit { plan } => self.commit(port, plan),
+            Command::PlanCancel { plan } => self.controller.queue().cancel(plan),
             Command::Pause => self.controller.pause(PauseReason::Command),
             Command::Resume => self.controller.resume(),
-            Command::Clear => self.controller.clear(),
+            // A stop that overtook this was sent after it.
+            Command::Clear { stop } if stop == self.link(port).last_stop() => {
+                self.controller.clear();
+            }
+            Command::Clear { .. } => {}
             Command::Reboot(reboot) => self.request_reboot(reboot),
+        }
+    }
+
+    fn refuse(&mut self, port: Port, command: Command, reason: PlanRefusal) {
+        if let Command::PlanCommit { plan } = command {
+            // `take_commands` has made sure of room.
+            let _ = self.link(port).report(Report::PlanRefused { plan, reason });
         }
     }
 
@@ -177,31 +227,41 @@ impl Robot {
     }
 
     fn commit(&mut self, port: Port, plan: u32) {
-        self.owner = Some(port);
-        let report = match self.controller.commit(plan) {
-            Ok(()) => Report::PlanAccepted { plan },
+        if self.owner != Some(port) {
+            // What the last owner has not heard by now, hello tells it.
+            self.forget_reports();
+            self.owner = Some(port);
+        }
+        let room = MAX_LEGS - self.results.len().min(MAX_LEGS);
+        let report = match self.controller.commit(plan, room) {
+            Ok(()) => {
+                let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
+                Report::PlanAccepted { plan, end }
+            }
             Err(reason) => Report::PlanRefused { plan, reason },
         };
-        self.report(report);
+        // `take_commands` has made sure of room.
+        let _ = self.answers.push_back(report);
         self.flush();
     }
 
-    fn report(&mut self, report: Report) {
-        if self.waiting.is_full() {
-            self.waiting.pop_front();
-        }
-        // There is room now.
-        let _ = self.waiting.push_back(report);
-    }
-
+    /// Hands over what there is to report as the session has room: answers, ends of legs in their
+    /// order, and the end of the plan behind them.
     fn flush(&mut self) {
         let Some(owner) = self.owner else { return };
-        while let Some(report) = self.waiting.front().copied() {
+        while let Some(report) = self.next_report() {
             if !self.link(owner).report(report) {
                 return;
             }
-            self.waiting.pop_front();
+            if self.answers.pop_front().is_none() && self.results.pop_front().is_none() {
+                self.plan_done = None;
+            }
         }
+    }
+
+    fn next_report(&self) -> Option<Report> {
+        let result = || self.results.front().map(|result| Report::LegDone(*result));
+        self.answers.front().copied().or_else(result).or(self.plan_done)
     }
 
     fn telemetry(&self) -> Telemetry {
@@ -232,6 +292,33 @@ const FIRMWARE_VERSION: [u8; 3] = [
     digits(env!("CARGO_PKG_VERSION_MINOR")),
     digits(env!("CARGO_PKG_VERSION_PATCH")),
 ];
+
+/// The commit that this firmware was built from, as `firmware/build` hands it over; 0 if it does not.
+const FIRMWARE_GIT: u32 = match option_env!("WMR_GIT") {
+    Some(text) => hexadecimal(text),
+    None => 0,
+};
+
+/// The number that the first eight hexadecimal digits of `text` stand for.
+const fn hexadecimal(text: &str) -> u32 {
+    let mut bytes = text.as_bytes();
+    let mut value = 0;
+    let mut taken = 0;
+    while let [digit, rest @ ..] = bytes {
+        let digit = match *digit {
+            digit @ b'0'..=b'9' => digit - b'0',
+            digit @ b'a'..=b'f' => digit - b'a' + 10,
+            _ => return value,
+        };
+        if taken == 8 {
+            return value;
+        }
+        value = value << 4 | digit as u32;
+        taken += 1;
+        bytes = rest;
+    }
+    value
+}
 
 const fn digits(text: &str) -> u8 {
     let mut bytes = text.as_bytes();

@@ -23,6 +23,11 @@ impl InProcess {
     pub fn new(parameters: Parameters, nonce: u32) -> Self {
         Self { robot: Robot::new(parameters, Boot { nonce, board: Board::Simulated }) }
     }
+
+    /// The robot, to look at.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
 }
 
 /// The robot of the paper's experiment, as far as its figures tell.

@@ -98,6 +98,11 @@ impl Wire {
         self.carried
     }
 
+    /// When the last of what is on its way arrives, since the start.
+    pub fn last_arrival(&self) -> Duration {
+        self.last_arrival
+    }
+
     /// Puts `bytes` on the wire at `now`.
     ///
     /// ```
@@ -224,9 +229,8 @@ mod tests {
         }
         let order: Vec<u8> =
             std::iter::from_fn(|| wire.read(Duration::ZERO)).map(|frame| frame[0]).collect();
-        let overtakers = |place: usize| {
-            order[..place].iter().filter(|earlier| **earlier > order[place]).count()
-        };
+        let overtakers =
+            |place: usize| order[..place].iter().filter(|earlier| **earlier > order[place]).count();
         let most = (0..order.len()).map(overtakers).max();
         assert_eq!(most, Some(8));
     }

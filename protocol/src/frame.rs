@@ -20,14 +20,16 @@ const MAX_CONTENT: usize = 120;
 /// The longest frame on the wire with its closing zero: COBS adds a byte for each 254 begun.
 pub const MAX_FRAME: usize = MAX_CONTENT + 2;
 
-/// What stands before every message.
+/// What stands before every message; it never changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
     /// The session that it belongs to; 0 before there is one.
+    #[serde(with = "postcard::fixint::le")]
     pub session: u32,
     /// Its number, if it is on the reliable lane.
     pub sequence: Option<u16>,
     /// All of the other end's numbers before this one have arrived and been handled.
+    #[serde(with = "postcard::fixint::le")]
     pub ack: u16,
     /// Bit i: number `ack` + i has arrived.
     pub ack_bits: u8,
@@ -150,11 +152,11 @@ mod tests {
     fn a_frame_by_hand() {
         let header = Header { session: 1, sequence: None, ack: 0, ack_bits: 0 };
         let mut wire = [0; MAX_FRAME];
-        let length = encode(&header, &7u8, &mut wire).unwrap();
-        let crc = CASTAGNOLI.checksum(&[1, 0, 0, 0, 7]).to_le_bytes();
-        // COBS: 1 then a zero; zero; zero; then 7 and the CRC (no zero in it).
+        let length = encode(&header, &9u8, &mut wire).unwrap();
+        let crc = CASTAGNOLI.checksum(&[1, 0, 0, 0, 0, 0, 0, 0, 9]).to_le_bytes();
+        // COBS: 1 then a zero; six more zeros; then 9 and the CRC (no zero in it).
         assert!(!crc.contains(&0));
-        let expected = [2, 1, 1, 1, 6, 7, crc[0], crc[1], crc[2], crc[3], 0];
+        let expected = [2, 1, 1, 1, 1, 1, 1, 1, 6, 9, crc[0], crc[1], crc[2], crc[3], 0];
         assert_eq!(&wire[..length], &expected);
     }
 

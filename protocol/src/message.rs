@@ -2,20 +2,26 @@
 //!
 //! | message | lane | why |
 //! |---|---|---|
-//! | `Hello`, `Heartbeat`, `Stop`, `Telemetry` | unreliable | the next one replaces it; a stop is repeated until its effect is seen |
+//! | `Hello`, `Heartbeat`, `Stop`, `Telemetry` | unreliable | the next one replaces it; a stop is repeated until the robot echoes it |
 //! | all others | reliable | each arrives once, in order |
 //!
-//! A plan is committed as a whole: `PlanBegin`, its legs, `PlanCommit`. Nothing moves before the
-//! commit, and nothing at all if the count or the digest differ.
+//! Legs travel in batches: `PlanBegin`, the legs, `PlanCommit`. A batch counts as a whole or not at
+//! all: the number of legs and their digest must be those announced. The first batch of a plan
+//! starts it, later ones go on behind it or take the place of legs not yet begun.
+//!
+//! The frame's header and the messages marked *frozen* never change, so that ends of different
+//! versions can still greet, report, stop and update each other; everything else is covered by
+//! [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH), and the robot moves only where that is the same.
 
 use crate::frame::CASTAGNOLI;
-use crate::motion::{Leg, Limits, Pose, Refusal, WheelSpeeds};
+use crate::motion::{Leg, Limits, Pose, Refusal};
+pub use crate::telemetry::Telemetry;
 use serde::{Deserialize, Serialize};
 
-/// The version of messages and rules; both ends must have the same for the robot to move.
-pub const PROTOCOL_VERSION: u16 = 1;
+/// The version of the rules; both ends must have the same for the robot to move.
+pub const PROTOCOL_VERSION: u16 = 2;
 
-/// The most legs that one plan may have.
+/// The most legs that the robot keeps: those not yet driven, and those whose end is not yet reported.
 pub const MAX_LEGS: usize = 64;
 
 /// The host may be silent for this long while the robot drives.
@@ -27,29 +33,41 @@ pub const HEARTBEAT_MILLISECONDS: u32 = 20;
 /// What the host asks of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Opens a session; answered by [`Report::Hello`].
+    /// Opens a session; answered by [`Report::Hello`]. *Frozen.*
     Hello(HostHello),
-    /// Says nothing but that the host lives.
+    /// Says nothing but that the host lives. *Frozen.*
     Heartbeat,
-    /// Announces a plan; what was collected of an earlier one is forgotten.
+    /// Stops on the path within the limits, forgets the plan, and refuses others until
+    /// [`Clear`](Self::Clear); obeyed in any session. *Frozen.*
+    Stop {
+        /// The host's stops in this session, this one included; wraps around.
+        number: u8,
+    },
+    /// Restarts the board, if at rest. *Frozen.*
+    Reboot(Reboot),
+    /// Announces a batch of legs; what was collected of an earlier one is forgotten.
     PlanBegin(PlanHeader),
-    /// The next leg of the announced plan.
+    /// The next leg of the announced batch.
     PlanLeg(Leg),
-    /// Drives the announced plan, if it is complete and the robot at rest.
+    /// Takes over the announced batch, if it is complete.
     PlanCommit {
         /// The plan announced.
+        plan: u32,
+    },
+    /// Forgets the legs not yet begun; the one under way is driven to its end.
+    PlanCancel {
+        /// The plan being driven.
         plan: u32,
     },
     /// Stops on the path within the limits and waits for [`Resume`](Self::Resume).
     Pause,
     /// Goes on after a pause.
     Resume,
-    /// Stops on the path within the limits, forgets the plan, and refuses others until [`Clear`](Self::Clear).
-    Stop,
-    /// Ends the effect of a stop or fault.
-    Clear,
-    /// Restarts the board, if at rest.
-    Reboot(Reboot),
+    /// Ends the effect of a stop or fault, unless a newer stop has overtaken this.
+    Clear {
+        /// The number of the last stop that the host sent in this session, 0 for none.
+        stop: u8,
+    },
 }
 
 /// How the host introduces itself.
@@ -57,21 +75,43 @@ pub enum Command {
 pub struct HostHello {
     /// The host's [`PROTOCOL_VERSION`].
     pub version: u16,
+    /// The host's [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH).
+    pub schema: u64,
     /// Drawn anew for each connection.
     pub nonce: u32,
 }
 
-/// What a plan consists of.
+/// What a batch of legs consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanHeader {
-    /// Its identity; legs of another are refused.
+    /// The plan's identity; legs of another are refused.
     pub plan: u32,
+    /// The index of the first leg that follows.
+    pub first: u16,
     /// How many legs follow.
     pub count: u16,
     /// [`plan_digest`] of the legs.
     pub digest: u32,
-    /// Where the robot stands.
-    pub start: Pose,
+    /// Where they go.
+    pub placement: Placement,
+}
+
+/// Where a batch of legs goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Placement {
+    /// It starts a plan, or a plan again from leg `first`; the robot must be at rest and stands here.
+    Start(Pose),
+    /// Behind the legs of the same plan that the robot has; `first` must be the next index.
+    Append,
+    /// In place of the legs of the same plan from `first` on, none of which may have begun.
+    Replace,
+}
+
+impl Placement {
+    /// Whether the batch starts a plan rather than going on with one.
+    pub fn is_start(self) -> bool {
+        matches!(self, Self::Start(_))
+    }
 }
 
 /// Into what a board restarts.
@@ -86,16 +126,23 @@ pub enum Reboot {
 /// What the robot tells the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Report {
-    /// Answers a hello, and any frame of a session that the robot does not know.
+    /// Answers a hello, and any frame of a session that the robot does not know. *Frozen.*
     Hello(RobotHello),
-    /// Where the robot is and what it does.
+    /// Acknowledges. *Frozen.*
+    Heartbeat {
+        /// The number of the last stop that arrived in this session, 0 for none.
+        stop: u8,
+    },
+    /// Where the robot is and what it does. *Frozen.*
     Telemetry(Telemetry),
-    /// The plan is complete and now drives.
+    /// The batch is complete and its legs are the plan's.
     PlanAccepted {
         /// The plan committed.
         plan: u32,
+        /// The index after its last leg.
+        end: u16,
     },
-    /// The plan, or a leg of it, is refused; nothing moves.
+    /// The batch, or a leg of it, is refused; the plan is as before.
     PlanRefused {
         /// The plan announced.
         plan: u32,
@@ -104,10 +151,12 @@ pub enum Report {
     },
     /// A leg has ended.
     LegDone(LegResult),
-    /// The whole plan has ended and the robot rests.
+    /// All legs of the plan that arrived so far have ended and the robot rests.
     PlanDone {
         /// The plan driven.
         plan: u32,
+        /// The index after the last leg driven.
+        end: u16,
         /// Where the robot believes it stands.
         pose: Pose,
     },
@@ -118,6 +167,8 @@ pub enum Report {
 pub struct RobotHello {
     /// The robot's [`PROTOCOL_VERSION`].
     pub version: u16,
+    /// The robot's [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH).
+    pub schema: u64,
     /// The nonce of the host that is answered; 0 if none said hello since the robot started.
     pub host_nonce: u32,
     /// Drawn anew each time the robot starts.
@@ -126,10 +177,25 @@ pub struct RobotHello {
     pub board: Board,
     /// The firmware's version: major, minor, patch.
     pub firmware: [u8; 3],
+    /// The first eight hexadecimal digits of the commit that the firmware was built from; 0 if unknown.
+    pub git: u32,
     /// What its wheels may do.
     pub limits: Limits,
-    /// The most legs of a plan.
+    /// The most legs that it keeps.
     pub max_legs: u16,
+    /// The plan that it drives or drove last; `None` after a start or stop.
+    pub driven: Option<Driven>,
+}
+
+/// How far a plan has been driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Driven {
+    /// The plan.
+    pub plan: u32,
+    /// The first leg that has not ended.
+    pub next: u16,
+    /// The index after the last leg that the robot has.
+    pub end: u16,
 }
 
 /// What a robot runs on.
@@ -141,21 +207,6 @@ pub enum Board {
     Pico2,
     /// The firmware's logic inside the simulator.
     Simulated,
-}
-
-/// Where the robot is and what it does, several times a second.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Telemetry {
-    /// Control ticks since the robot started.
-    pub ticks: u32,
-    /// Where it believes it stands.
-    pub pose: Pose,
-    /// How fast its wheels turn, measured.
-    pub wheels: WheelSpeeds,
-    /// What it does.
-    pub state: State,
-    /// The leg that it drives, or drove last.
-    pub leg: u16,
 }
 
 /// What the robot does.
@@ -189,7 +240,7 @@ pub enum Fault {
     Stall,
 }
 
-/// Why a plan is refused.
+/// Why a batch of legs is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PlanRefusal {
     /// The robot still moves, or a plan is still running.
@@ -198,14 +249,28 @@ pub enum PlanRefusal {
     NotCleared,
     /// Another link's host drives.
     NotOwner,
+    /// Host and robot do not speak the same protocol.
+    WrongProtocol,
     /// Fewer or other legs arrived than were announced.
     Incomplete,
     /// More legs than fit.
-    TooManyLegs,
+    TooManyLegs {
+        /// How many would fit now.
+        room: u16,
+    },
     /// No legs at all.
     Empty,
     /// The start pose makes no sense.
     Start,
+    /// The plan to go on with is not the one that the robot has.
+    OtherPlan,
+    /// The legs do not fit to those that the robot has: some have begun, or there is a gap.
+    OutOfPlace {
+        /// The first leg that has not begun.
+        begun: u16,
+        /// The index after the last leg that the robot has.
+        end: u16,
+    },
     /// One leg cannot be driven.
     Leg {
         /// Its place in the plan.

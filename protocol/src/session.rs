@@ -21,6 +21,9 @@ pub const WINDOW: usize = 8;
 const FIRST_TIMEOUT: u32 = 100;
 const SHORTEST_TIMEOUT: u32 = 20;
 const LONGEST_TIMEOUT: u32 = 1000;
+/// How often the timeout doubles while frames arrive, and while none does.
+const LIVE_DOUBLINGS: u8 = 1;
+const SILENT_DOUBLINGS: u8 = 6;
 
 /// The name of the session between a host and a robot that said these nonces; never 0.
 pub fn session_id(host_nonce: u32, robot_nonce: u32) -> u32 {
@@ -146,10 +149,11 @@ impl<Tx: Serialize + Copy, Rx: Copy> Session<Tx, Rx> {
         let last_arrived =
             self.window.iter().filter(|slot| slot.arrived).map(|slot| slot.sequence).last();
         let base = self.window.front().map_or(0, |slot| slot.sequence);
+        let heard = self.heard;
         let due = self.window.iter_mut().find(|slot| {
             let behind = last_arrived
                 .is_some_and(|last| slot.sequence.wrapping_sub(base) < last.wrapping_sub(base));
-            !slot.arrived && slot.is_due(now, if behind { gap } else { timeout })
+            !slot.arrived && slot.is_due(now, if behind { gap } else { timeout }, heard)
         });
         let Some(slot) = due else { return 0 };
         slot.sent = Some(now);
@@ -215,9 +219,13 @@ impl<Tx: Serialize + Copy, Rx: Copy> Session<Tx, Rx> {
 }
 
 impl<Tx> Outgoing<Tx> {
-    fn is_due(&self, now: Milliseconds, timeout: u32) -> bool {
+    /// Each repetition waits twice as long as the last, in case the wire is slower than was measured.
+    /// On a wire that brings other frames the reason is loss, which waiting does not cure.
+    fn is_due(&self, now: Milliseconds, timeout: u32, heard: Milliseconds) -> bool {
         let Some(sent) = self.sent else { return true };
-        let backed_off = timeout << self.tries.saturating_sub(1).min(6);
+        let wire_lives = heard.since(sent) <= now.since(sent);
+        let doublings = if wire_lives { LIVE_DOUBLINGS } else { SILENT_DOUBLINGS };
+        let backed_off = timeout << self.tries.saturating_sub(1).min(doublings);
         now.since(sent) >= backed_off.min(LONGEST_TIMEOUT)
     }
 }

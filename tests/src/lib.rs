@@ -2,6 +2,8 @@
 #![allow(clippy::panic, reason = "a library of tests fails as tests do")]
 
 pub mod elf_file;
+pub mod damage;
+pub mod link;
 
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};

@@ -144,6 +144,10 @@ impl From<LinkError> for CliError {
                 "link.silent",
                 "is it the right port, and does a robot with wmr firmware listen there?",
             ),
+            LinkError::NotARobot { .. } => (
+                "link.not_a_robot",
+                "another device or another firmware answers there; wmr ports lists what is there",
+            ),
             LinkError::Version { .. } => {
                 ("link.version", "flash the firmware that belongs to this program")
             }

@@ -1,17 +1,34 @@
 //! One plan from upload to arrival, as a state machine over a [`LinkClient`].
 //!
-//! Hello, then the plan's header, its legs and the commit; from then on the robot drives by itself
-//! and the host only listens and stays alive.
+//! ```text
+//! greeting ─► halting (if the robot is not idle) ─► clearing ─► driving ─► done
+//!     └─────────── resuming (it still has this plan) ──────────────▲
+//! ```
+//! Legs go to the robot in batches, each taken over as a whole: the first starts the plan, later
+//! ones go behind it while the robot drives. So a plan may be longer than the robot's queue, and its
+//! queue never runs dry for want of a round trip. Which legs have ended is known at every moment, and
+//! a mission that was cut short can be resumed behind them.
 
 use super::{LinkClient, LinkError};
 use protocol::message::{
-    Command, Fault, LegResult, PauseReason, PlanHeader, PlanRefusal, Report, RobotHello, State,
-    Telemetry, plan_digest,
+    Command, Driven, Fault, LegResult, PauseReason, Placement, PlanHeader, PlanRefusal, Report,
+    RobotHello, State, Telemetry, plan_digest,
 };
-use protocol::motion::{Leg, Pose};
+use protocol::motion::{Infeasible, Leg, Pose, Refusal};
 use std::collections::VecDeque;
 use std::io::{Read, Write};
 use std::time::Duration;
+
+/// While more follow, so many legs at least go together: the header and commit of a batch cost as
+/// much of the wire as two legs.
+const BATCH: usize = 8;
+
+/// Telemetry from before the robot took the plan over may arrive so late, control ticks: eight frames
+/// that overtake it, 20 ms each, rounded up.
+const STALE_TICKS: u32 = 40;
+
+/// A robot that is not cleared after so many attempts does not come to rest.
+const MOST_CLEARINGS: u32 = 5;
 
 /// What happens on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +54,7 @@ pub enum MissionError {
     /// The link failed.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The robot refused the plan; nothing moved.
+    /// The robot refused the plan, or the rest of it.
     #[error("the robot refused the plan: {}", describe(.0))]
     Refused(PlanRefusal),
     /// The robot stopped by itself.
@@ -46,37 +63,91 @@ pub enum MissionError {
     /// The robot was told to stop.
     #[error("the robot was told to stop and has stopped")]
     Stopped,
-    /// The plan has more legs than the robot takes.
-    #[error("the plan has {legs} legs; this robot takes {most}")]
+    /// The plan has more legs than can be numbered.
+    #[error("the plan has {legs} legs; a plan may have {most}")]
     TooManyLegs {
         /// The plan's.
         legs: usize,
-        /// The robot's.
+        /// As many as there are numbers.
         most: u16,
     },
+}
+
+/// How far a mission has come; enough to resume it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The first leg that is not known to have ended.
+    pub next: u16,
+    /// Where the robot was last known to stand.
+    pub pose: Pose,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Greeting,
+    Halting,
+    Clearing,
+    Driving,
 }
 
 /// One plan on its way to a robot and then to its goal.
 #[derive(Clone, Debug)]
 pub struct Mission {
+    plan: u32,
     legs: Vec<Leg>,
-    start: Pose,
-    upload: Option<VecDeque<Command>>,
-    accepted: bool,
-    resumed: bool,
+    progress: Progress,
+    resuming: bool,
+    phase: Phase,
+    commands: VecDeque<Command>,
+    announced: usize,
+    max_legs: usize,
+    greeted: Option<u32>,
+    accepted: Option<u32>,
+    clearings: u32,
+    resume_asked: bool,
     ticks: Option<u32>,
 }
 
 impl Mission {
-    /// The mission that drives `legs`, which begin at `start`.
+    /// The mission that drives `legs`, which begin at `start`. A robot that is paused on another
+    /// plan, or stopped, is brought to rest and cleared first.
     pub fn new(legs: Vec<Leg>, start: Pose) -> Self {
-        Self { legs, start, upload: None, accepted: false, resumed: false, ticks: None }
+        Self::with(legs, Progress { next: 0, pose: start }, false)
+    }
+
+    /// The mission that drives the rest of `legs`. A robot that still has this plan goes on with it,
+    /// whatever `progress` says; any other begins at `progress`.
+    pub fn resume_from(legs: Vec<Leg>, progress: Progress) -> Self {
+        Self::with(legs, progress, true)
+    }
+
+    fn with(legs: Vec<Leg>, progress: Progress, resuming: bool) -> Self {
+        Self {
+            plan: legs.first().map_or(0, |leg| leg.plan),
+            announced: usize::from(progress.next),
+            legs,
+            progress,
+            resuming,
+            phase: Phase::Greeting,
+            commands: VecDeque::new(),
+            max_legs: 0,
+            greeted: None,
+            accepted: None,
+            clearings: 0,
+            resume_asked: false,
+            ticks: None,
+        }
+    }
+
+    /// How far the mission has come.
+    pub fn progress(&self) -> Progress {
+        self.progress
     }
 
     /// One step at `now`: polls `client` and says what has happened since the last.
     ///
     /// # Errors
-    /// [`MissionError`]; the mission has then ended.
+    /// [`MissionError`]; the mission has then ended, and [`progress`](Self::progress) says where.
     pub fn step<P: Read + Write>(
         &mut self,
         client: &mut LinkClient<P>,
@@ -84,128 +155,233 @@ impl Mission {
     ) -> Result<Vec<MissionEvent>, MissionError> {
         let reports = client.poll(now)?;
         let mut events = Vec::new();
-        self.upload(client, &mut events)?;
+        self.advance(client, &mut events)?;
         for report in reports {
-            events.extend(self.hear(report, client)?);
+            events.extend(self.hear(report)?);
         }
         if let Some(telemetry) =
             client.telemetry().filter(|telemetry| Some(telemetry.ticks) != self.ticks)
         {
-            let telemetry = *telemetry;
             self.ticks = Some(telemetry.ticks);
-            events.push(MissionEvent::Telemetry(telemetry));
-            self.check(&telemetry)?;
-            self.go_on(&telemetry, client);
+            if self.phase == Phase::Driving {
+                self.progress.pose = telemetry.pose;
+            }
+            events.push(MissionEvent::Telemetry(*telemetry));
+            self.check(telemetry)?;
         }
         Ok(events)
     }
 
-    fn upload<P: Read + Write>(
+    fn advance<P: Read + Write>(
         &mut self,
         client: &mut LinkClient<P>,
         events: &mut Vec<MissionEvent>,
     ) -> Result<(), MissionError> {
-        let Some(robot) = client.robot().copied() else { return Ok(()) };
-        if self.upload.is_none() {
-            events.push(MissionEvent::Connected(robot));
-            if self.legs.len() > usize::from(robot.max_legs) {
-                return Err(MissionError::TooManyLegs {
-                    legs: self.legs.len(),
-                    most: robot.max_legs,
-                });
+        match self.phase {
+            Phase::Greeting => self.greet(client, events)?,
+            Phase::Halting => {
+                if client.telemetry().is_some_and(has_stopped) {
+                    self.phase = Phase::Clearing;
+                }
+            }
+            Phase::Clearing => {
+                if client.clear() {
+                    self.clearings += 1;
+                    self.phase = Phase::Driving;
+                }
+            }
+            Phase::Driving => {
+                self.announce();
+                self.go_on_after_silence(client);
             }
         }
-        let (legs, start) = (&self.legs, self.start);
-        let commands = self.upload.get_or_insert_with(|| plan_commands(legs, start));
-        while let Some(command) = commands.front() {
+        while let Some(command) = self.commands.front() {
             if !client.send(*command) {
                 break;
             }
-            commands.pop_front();
+            self.commands.pop_front();
         }
         Ok(())
     }
 
-    fn hear<P: Read + Write>(
+    fn greet<P: Read + Write>(
         &mut self,
-        report: Report,
-        client: &LinkClient<P>,
-    ) -> Result<Option<MissionEvent>, MissionError> {
-        let plan = self.legs.first().map_or(0, |leg| leg.plan);
+        client: &mut LinkClient<P>,
+        events: &mut Vec<MissionEvent>,
+    ) -> Result<(), MissionError> {
+        let (Some(robot), Some(telemetry)) = (client.robot().copied(), client.telemetry()) else {
+            return Ok(());
+        };
+        client.check_protocol()?;
+        let driven = robot.driven.filter(|driven| self.resuming && driven.plan == self.plan);
+        let since = *self.greeted.get_or_insert(telemetry.ticks);
+        if telemetry.state == State::Driving && driven.is_none() && !is_fresh(telemetry, since) {
+            // The last mission on this link may have ended since.
+            return Ok(());
+        }
+        events.push(MissionEvent::Connected(robot));
+        self.check_legs(&robot)?;
+        self.max_legs = usize::from(robot.max_legs);
+        self.phase = match (telemetry.state, driven) {
+            (State::Idle | State::Driving | State::Paused(_), Some(driven)) => {
+                self.take_up(driven, telemetry.ticks);
+                if usize::from(driven.next) == self.legs.len() {
+                    events.push(MissionEvent::Done(telemetry.pose));
+                }
+                Phase::Driving
+            }
+            (State::Idle, None) => Phase::Clearing,
+            (State::Driving, None) => return Err(MissionError::Refused(PlanRefusal::NotOwner)),
+            (State::Paused(_) | State::Stopped | State::Faulted(_), _) => {
+                client.stop();
+                Phase::Halting
+            }
+        };
+        Ok(())
+    }
+
+    /// Goes on with a plan that the robot still has.
+    fn take_up(&mut self, driven: Driven, ticks: u32) {
+        self.progress.next = driven.next;
+        self.announced = usize::from(driven.end);
+        self.accepted = Some(ticks);
+    }
+
+    fn check_legs(&self, robot: &RobotHello) -> Result<(), MissionError> {
+        let most = u16::MAX;
+        if self.legs.len() > usize::from(most) {
+            return Err(MissionError::TooManyLegs { legs: self.legs.len(), most });
+        }
+        for leg in &self.legs {
+            let refused = |refusal| PlanRefusal::Leg { index: leg.index, refusal };
+            leg.check(&robot.limits).map_err(|refusal| MissionError::Refused(refused(refusal)))?;
+        }
+        Ok(())
+    }
+
+    /// Announces the next batch as soon as the robot has room for it.
+    fn announce(&mut self) {
+        let rest = self.legs.len().saturating_sub(self.announced);
+        let kept = self.announced.saturating_sub(usize::from(self.progress.next));
+        let room = self.max_legs.saturating_sub(kept);
+        if !self.commands.is_empty() || rest == 0 || room < rest.min(BATCH) {
+            return;
+        }
+        let end = self.announced + rest.min(room);
+        let legs = &self.legs[self.announced..end];
+        let placement = match self.accepted {
+            None => Placement::Start(self.progress.pose),
+            Some(_) => Placement::Append,
+        };
+        self.commands = batch(self.plan, self.announced as u16, legs, placement);
+        self.announced = end;
+    }
+
+    /// A robot that waits because nobody was heard hears somebody now; only what the user has paused
+    /// stays so.
+    fn go_on_after_silence<P: Read + Write>(&mut self, client: &mut LinkClient<P>) {
+        let waits = client
+            .telemetry()
+            .is_some_and(|telemetry| telemetry.state == State::Paused(PauseReason::Silence));
+        if waits && !self.resume_asked && !client.pause_wanted() {
+            self.resume_asked = client.send(Command::Resume);
+        } else if !waits {
+            self.resume_asked = false;
+        }
+    }
+
+    fn hear(&mut self, report: Report) -> Result<Option<MissionEvent>, MissionError> {
         match report {
-            Report::PlanRefused { reason, .. } => Err(MissionError::Refused(reason)),
-            Report::PlanAccepted { plan: accepted } if accepted == plan => {
-                self.accepted = true;
-                let ticks = client.telemetry().map_or(0, |telemetry| telemetry.ticks);
+            Report::PlanRefused { reason: PlanRefusal::NotCleared, .. }
+                if self.accepted.is_none() && self.clearings < MOST_CLEARINGS =>
+            {
+                // The wheels stood still for a moment, but had not come to rest.
+                self.phase = Phase::Halting;
+                self.announced = usize::from(self.progress.next);
+                Ok(None)
+            }
+            Report::PlanRefused { plan, reason } if plan == self.plan => {
+                Err(MissionError::Refused(reason))
+            }
+            Report::PlanAccepted { plan, .. } if plan == self.plan && self.accepted.is_none() => {
+                let ticks = self.ticks.unwrap_or(0);
+                self.accepted = Some(ticks);
                 Ok(Some(MissionEvent::Accepted { ticks }))
             }
-            Report::LegDone(result) if result.plan == plan => {
+            Report::LegDone(result) if result.plan == self.plan => {
+                self.progress = Progress { next: result.index + 1, pose: result.pose };
                 Ok(Some(MissionEvent::LegDone(result)))
             }
-            Report::PlanDone { plan: done, pose } if done == plan => {
+            Report::PlanDone { plan, end, pose }
+                if plan == self.plan && usize::from(end) == self.legs.len() =>
+            {
+                self.progress = Progress { next: end, pose };
                 Ok(Some(MissionEvent::Done(pose)))
             }
             _ => Ok(None),
         }
     }
 
-    /// A robot that paused because this host was silent, or its words were lost, goes on now that
-    /// they hear each other again.
-    fn go_on<P: Read + Write>(&mut self, telemetry: &Telemetry, client: &mut LinkClient<P>) {
-        let waits = self.accepted && telemetry.state == State::Paused(PauseReason::Silence);
-        if !waits {
-            self.resumed = false;
-        } else if !self.resumed {
-            self.resumed = client.send(Command::Resume);
-        }
-    }
-
     fn check(&self, telemetry: &Telemetry) -> Result<(), MissionError> {
+        let fresh = self.accepted.is_some_and(|since| is_fresh(telemetry, since));
         match telemetry.state {
-            State::Faulted(fault) if self.accepted => Err(MissionError::Fault(fault)),
+            State::Faulted(fault) if fresh => Err(MissionError::Fault(fault)),
             // Not before the wheels rest: a stop takes as long as the limits need.
-            State::Stopped if self.accepted && at_rest(telemetry) => Err(MissionError::Stopped),
+            State::Stopped if fresh && has_stopped(telemetry) => Err(MissionError::Stopped),
             _ => Ok(()),
         }
     }
 }
 
-fn at_rest(telemetry: &Telemetry) -> bool {
-    telemetry.wheels.left.0 == 0.0 && telemetry.wheels.right.0 == 0.0
+/// Whether the robot said so after the moment of `since`, when its last word may have been on its way.
+fn is_fresh(telemetry: &Telemetry, since: u32) -> bool {
+    telemetry.ticks.wrapping_sub(since) >= STALE_TICKS
 }
 
-fn plan_commands(legs: &[Leg], start: Pose) -> VecDeque<Command> {
-    let plan = legs.first().map_or(0, |leg| leg.plan);
-    let header = PlanHeader { plan, count: legs.len() as u16, digest: plan_digest(legs), start };
-    // Whoever starts a mission means to drive: an earlier stop no longer holds.
-    let mut commands = VecDeque::from([Command::Clear, Command::PlanBegin(header)]);
+/// Whether a stop or fault is over and can be cleared.
+fn has_stopped(telemetry: &Telemetry) -> bool {
+    matches!(telemetry.state, State::Stopped | State::Faulted(_))
+        && telemetry.wheels.left.0 == 0.0
+        && telemetry.wheels.right.0 == 0.0
+}
+
+/// The commands that make `legs`, the first of which is `first`, part of `plan`.
+pub fn batch(plan: u32, first: u16, legs: &[Leg], placement: Placement) -> VecDeque<Command> {
+    let (count, digest) = (legs.len() as u16, plan_digest(legs));
+    let header = PlanHeader { plan, first, count, digest, placement };
+    let mut commands = VecDeque::from([Command::PlanBegin(header)]);
     commands.extend(legs.iter().map(|leg| Command::PlanLeg(*leg)));
     commands.push_back(Command::PlanCommit { plan });
     commands
 }
 
 fn describe(refusal: &PlanRefusal) -> String {
-    use protocol::motion::{Infeasible, Refusal};
     match refusal {
         PlanRefusal::NotAtRest => "it is still moving".into(),
         PlanRefusal::NotCleared => "it was stopped and not cleared".into(),
         PlanRefusal::NotOwner => "another link drives it".into(),
+        PlanRefusal::WrongProtocol => "its firmware speaks another protocol".into(),
         PlanRefusal::Incomplete => "not all legs arrived as announced".into(),
-        PlanRefusal::TooManyLegs => "it has too many legs".into(),
+        PlanRefusal::TooManyLegs { room } => format!("it has room for {room} legs"),
         PlanRefusal::Empty => "it has no legs".into(),
         PlanRefusal::Start => "its start pose is not finite or beyond 100 m".into(),
-        PlanRefusal::Leg { index, refusal } => {
-            let reason = match refusal {
-                Refusal::NotSane => "a number is not finite or beyond 100 m".into(),
-                Refusal::TooLong => "an interval would take longer than 300 s".into(),
-                Refusal::TooShort(Infeasible { shortest }) => {
-                    format!(
-                        "its time is too short for the wheels; it needs --leg-time {:.2} or more",
-                        shortest.0
-                    )
-                }
-            };
-            format!("leg {}: {reason}", index + 1)
+        PlanRefusal::OtherPlan => "it has another plan, or none".into(),
+        PlanRefusal::OutOfPlace { begun, end } => {
+            format!("it has legs up to {end}, and those before {} have begun", begun + 1)
         }
+        PlanRefusal::Leg { index, refusal } => {
+            format!("leg {}: {}", index + 1, describe_leg(refusal))
+        }
+    }
+}
+
+fn describe_leg(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::NotSane => "a number is not finite or beyond 100 m".into(),
+        Refusal::TooLong => "an interval would take longer than 300 s".into(),
+        Refusal::TooShort(Infeasible { shortest }) => format!(
+            "its time is too short for the wheels; it needs --leg-time {:.2} or more",
+            shortest.0
+        ),
     }
 }

@@ -6,15 +6,20 @@
 //! [`LinkClient`] keeps the session; [`mission::Mission`] brings one plan to its end. Both are driven by
 //! [`LinkClient::poll`] with the time as an argument, so they run alike on a wire and in a simulation.
 
+pub mod clock;
+mod error;
 pub mod mission;
 pub mod port;
 
+pub use error::LinkError;
+
+use clock::RobotClock;
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
 use protocol::message::{
-    Command, HEARTBEAT_MILLISECONDS, HostHello, PROTOCOL_VERSION, Report, RobotHello, State,
-    Telemetry,
+    Command, HEARTBEAT_MILLISECONDS, HostHello, PROTOCOL_VERSION, Report, RobotHello, Telemetry,
 };
-use protocol::session::{Session, session_id};
+use protocol::schema::SCHEMA_HASH;
+use protocol::session::{Session, WINDOW, session_id};
 use protocol::units::Milliseconds;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
@@ -22,9 +27,10 @@ use std::time::Duration;
 /// A robot that does not answer hello for this long is none.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(2);
 /// Hello is said again after this long, milliseconds.
-const HELLO_INTERVAL: u32 = 100;
-/// A link on which nothing arrives for this long is lost; the robot has long stopped by itself.
-const LOST_TIMEOUT: Duration = Duration::from_secs(3);
+const HELLO_INTERVAL: u32 = 50;
+/// A link on which nothing arrives for this long is lost, unless the client is told to wait longer;
+/// the robot has long stopped by itself.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// What became of frames on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,46 +43,34 @@ pub struct LinkStatistics {
     pub lost: u32,
 }
 
-/// Why the link cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum LinkError {
-    /// The port failed.
-    #[error("the port failed: {0}")]
-    Port(#[from] io::Error),
-    /// Nothing answered hello.
-    #[error("no robot answered within {0:?}")]
-    Silent(Duration),
-    /// The robot fell silent.
-    #[error("nothing heard from the robot for {0:?}; it stops by itself after 0.3 s of silence")]
-    Lost(Duration),
-    /// The robot speaks another version of the protocol.
-    #[error("the robot speaks protocol {robot}, this program {host}")]
-    Version {
-        /// The robot's.
-        robot: u16,
-        /// This program's.
-        host: u16,
-    },
-    /// The robot began anew, so it has forgotten its plan.
-    #[error("the robot has restarted; it is at rest and has forgotten the plan")]
-    Restarted,
-}
-
 /// One end of a session with a robot behind `P`.
 #[derive(Debug)]
 pub struct LinkClient<P> {
     port: P,
-    nonce: u32,
+    hello: HostHello,
+    patience: Duration,
     decoder: Decoder,
     robot: Option<RobotHello>,
     session: Session<Command, Report>,
     telemetry: Option<Telemetry>,
+    clock: RobotClock,
     reports: Vec<Report>,
     started: Option<Milliseconds>,
     sent: Option<Milliseconds>,
-    stopping: bool,
+    stop: u8,
+    stop_due: StopDue,
+    pause_wanted: bool,
+    bytes: u64,
     received: u32,
     damaged: u32,
+}
+
+/// Whether the robot is still to be told of the last stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum StopDue {
+    No,
+    Now,
+    Again,
 }
 
 impl<P: Read + Write> LinkClient<P> {
@@ -84,18 +78,29 @@ impl<P: Read + Write> LinkClient<P> {
     pub fn new(port: P, nonce: u32) -> Self {
         Self {
             port,
-            nonce,
+            hello: HostHello { version: PROTOCOL_VERSION, schema: SCHEMA_HASH, nonce },
+            patience: PATIENCE,
             decoder: Decoder::default(),
             robot: None,
             session: Session::new(0, Milliseconds(0)),
             telemetry: None,
+            clock: RobotClock::default(),
             reports: Vec::new(),
             started: None,
             sent: None,
-            stopping: false,
+            stop: 0,
+            stop_due: StopDue::No,
+            pause_wanted: false,
+            bytes: 0,
             received: 0,
             damaged: 0,
         }
+    }
+
+    /// The same, but waits `patience` for a robot that has fallen silent before it gives up: a cable
+    /// may come loose and be plugged in again.
+    pub fn with_patience(self, patience: Duration) -> Self {
+        Self { patience, ..self }
     }
 
     /// The port, for its owner's other business with it.
@@ -118,6 +123,27 @@ impl<P: Read + Write> LinkClient<P> {
         self.telemetry.as_ref()
     }
 
+    /// The robot's clock on the host's.
+    pub fn clock(&self) -> &RobotClock {
+        &self.clock
+    }
+
+    /// Whether the robot may be asked to drive: it speaks the same protocol.
+    ///
+    /// # Errors
+    /// [`LinkError::Version`]; then it still reports, stops and restarts.
+    pub fn check_protocol(&self) -> Result<(), LinkError> {
+        let host = (self.hello.version, self.hello.schema);
+        match &self.robot {
+            Some(robot) if (robot.version, robot.schema) != host => Err(LinkError::Version {
+                firmware: robot.firmware,
+                robot: (robot.version, robot.schema),
+                host,
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// Frames so far.
     pub fn statistics(&self) -> LinkStatistics {
         let counters = self.session.counters();
@@ -128,14 +154,48 @@ impl<P: Read + Write> LinkClient<P> {
         }
     }
 
-    /// Puts a command on the reliable lane; false if the window is full for now.
+    /// Puts a command on the reliable lane; false if the window is full for now, or the robot would
+    /// take it for another.
     pub fn send(&mut self, command: Command) -> bool {
-        self.robot.is_some() && self.session.send(command).is_ok()
+        let understood = self.check_protocol().is_ok() || matches!(command, Command::Reboot(_));
+        let sent = self.robot.is_some() && understood && self.session.send(command).is_ok();
+        if sent {
+            self.pause_wanted &= !matches!(command, Command::Resume);
+            self.pause_wanted |= matches!(command, Command::Pause);
+            self.forget_driven(&command);
+        }
+        sent
     }
 
-    /// Asks the robot to stop, again and again until it says that it does.
+    /// What hello said of a plan holds until there is another.
+    fn forget_driven(&mut self, command: &Command) {
+        if let (Command::PlanBegin(_), Some(robot)) = (command, &mut self.robot) {
+            robot.driven = None;
+        }
+    }
+
+    /// How many commands of the reliable lane are not yet acknowledged.
+    pub fn unacknowledged(&self) -> usize {
+        WINDOW - self.session.room()
+    }
+
+    /// Whether the last of pause and resume that was sent is a pause.
+    pub fn pause_wanted(&self) -> bool {
+        self.pause_wanted
+    }
+
+    /// Asks the robot to stop, again and again until it says that it has heard.
     pub fn stop(&mut self) {
-        self.stopping = true;
+        if self.stop_due == StopDue::No {
+            self.stop = self.stop.wrapping_add(1);
+            self.stop_due = StopDue::Now;
+        }
+    }
+
+    /// Asks the robot to forget the stops so far, as [`send`](Self::send) does; false also while it
+    /// has not yet heard of the last.
+    pub fn clear(&mut self) -> bool {
+        self.stop_due == StopDue::No && self.send(Command::Clear { stop: self.stop })
     }
 
     /// Reads what has arrived and writes what is due at `now`; returns the reports of the reliable
@@ -146,21 +206,24 @@ impl<P: Read + Write> LinkClient<P> {
     pub fn poll(&mut self, now: Duration) -> Result<Vec<Report>, LinkError> {
         let clock = Milliseconds(now.as_millis() as u32);
         let started = *self.started.get_or_insert(clock);
-        self.receive(clock)?;
+        self.receive(now)?;
         match &self.robot {
             None if clock.since(started) > HELLO_TIMEOUT.as_millis() as u32 => {
-                return Err(LinkError::Silent(HELLO_TIMEOUT));
+                return Err(match self.bytes {
+                    0 => LinkError::Silent(HELLO_TIMEOUT),
+                    bytes => LinkError::NotARobot { bytes, within: HELLO_TIMEOUT },
+                });
             }
             None => self.say_hello(clock)?,
-            Some(_) if self.session.silence(clock) > LOST_TIMEOUT.as_millis() as u32 => {
-                return Err(LinkError::Lost(LOST_TIMEOUT));
+            Some(_) if self.session.silence(clock) > self.patience.as_millis() as u32 => {
+                return Err(LinkError::Lost(self.patience));
             }
             Some(_) => self.transmit(clock)?,
         }
         Ok(std::mem::take(&mut self.reports))
     }
 
-    fn receive(&mut self, now: Milliseconds) -> Result<(), LinkError> {
+    fn receive(&mut self, now: Duration) -> Result<(), LinkError> {
         let mut buffer = [0; 4096];
         loop {
             let length = match self.port.read(&mut buffer) {
@@ -169,6 +232,7 @@ impl<P: Read + Write> LinkClient<P> {
                 Err(error) if is_nothing_yet(&error) => return Ok(()),
                 Err(error) => return Err(error.into()),
             };
+            self.bytes += length as u64;
             for byte in &buffer[..length] {
                 match self.decoder.push::<Report>(*byte) {
                     None => {}
@@ -179,23 +243,20 @@ impl<P: Read + Write> LinkClient<P> {
         }
     }
 
-    fn accept(
-        &mut self,
-        header: &Header,
-        report: Report,
-        now: Milliseconds,
-    ) -> Result<(), LinkError> {
+    fn accept(&mut self, header: &Header, report: Report, now: Duration) -> Result<(), LinkError> {
         self.received += 1;
+        let clock = Milliseconds(now.as_millis() as u32);
         if let Report::Hello(hello) = report {
-            return self.greet(hello, now);
+            return self.greet(hello, clock);
         }
         if self.robot.is_none() || header.session != self.session.id() {
             return Ok(());
         }
-        self.session.accept(header, report, now);
-        if let Report::Telemetry(telemetry) = report {
-            self.stopping &= !matches!(telemetry.state, State::Stopped | State::Faulted(_));
-            self.telemetry = Some(telemetry);
+        self.session.accept(header, report, clock);
+        match report {
+            Report::Telemetry(telemetry) => self.hear_telemetry(telemetry, now),
+            Report::Heartbeat { stop } if stop == self.stop => self.stop_due = StopDue::No,
+            _ => {}
         }
         while let Some(report) = self.session.next_message() {
             self.reports.push(report);
@@ -203,38 +264,52 @@ impl<P: Read + Write> LinkClient<P> {
         Ok(())
     }
 
+    fn hear_telemetry(&mut self, telemetry: Telemetry, now: Duration) {
+        // What later frames have overtaken is no news; half the circle tells later from earlier.
+        let newest = self
+            .telemetry
+            .is_none_or(|last| telemetry.ticks.wrapping_sub(last.ticks) < u32::MAX / 2);
+        if newest {
+            self.clock.observe(telemetry.ticks, now);
+            self.telemetry = Some(telemetry);
+        }
+    }
+
     fn greet(&mut self, hello: RobotHello, now: Milliseconds) -> Result<(), LinkError> {
-        if self.robot.is_some_and(|robot| robot.nonce != hello.nonce) {
-            return Err(LinkError::Restarted);
+        let to_us = hello.host_nonce == self.hello.nonce;
+        match &self.robot {
+            // A robot that has restarted knows no host, or this one from a hello that it repeats.
+            Some(robot) if robot.nonce != hello.nonce && (to_us || hello.host_nonce == 0) => {
+                Err(LinkError::Restarted)
+            }
+            None if to_us => {
+                self.session = Session::new(session_id(self.hello.nonce, hello.nonce), now);
+                self.robot = Some(hello);
+                Ok(())
+            }
+            _ => Ok(()),
         }
-        if self.robot.is_some() || hello.host_nonce != self.nonce {
-            return Ok(());
-        }
-        if hello.version != PROTOCOL_VERSION {
-            return Err(LinkError::Version { robot: hello.version, host: PROTOCOL_VERSION });
-        }
-        self.robot = Some(hello);
-        self.session = Session::new(session_id(self.nonce, hello.nonce), now);
-        Ok(())
     }
 
     fn say_hello(&mut self, now: Milliseconds) -> Result<(), LinkError> {
         if self.sent.is_some_and(|sent| now.since(sent) < HELLO_INTERVAL) {
             return Ok(());
         }
-        let hello = Command::Hello(HostHello { version: PROTOCOL_VERSION, nonce: self.nonce });
         let mut frame = [0; MAX_FRAME];
         // A zero first: whatever stood on the wire before is no part of this frame.
         self.port.write_all(&[0])?;
-        let length = encode(&Header::default(), &hello, &mut frame).unwrap_or(0);
+        let length =
+            encode(&Header::default(), &Command::Hello(self.hello), &mut frame).unwrap_or(0);
         self.write(length, &frame, now)
     }
 
     fn transmit(&mut self, now: Milliseconds) -> Result<(), LinkError> {
         let mut frame = [0; MAX_FRAME];
         let due = self.sent.is_none_or(|sent| now.since(sent) >= HEARTBEAT_MILLISECONDS);
-        if self.stopping && due {
-            let length = self.session.write_unreliable(&Command::Stop, &mut frame);
+        if self.stop_due == StopDue::Now || (self.stop_due == StopDue::Again && due) {
+            self.stop_due = StopDue::Again;
+            let stop = Command::Stop { number: self.stop };
+            let length = self.session.write_unreliable(&stop, &mut frame);
             return self.write(length, &frame, now);
         }
         loop {
