@@ -40,6 +40,19 @@ impl Faults {
     };
 }
 
+/// What befalls one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It arrives.
+    Arrive,
+    /// It vanishes.
+    Vanish,
+    /// It arrives twice.
+    Double,
+    /// It arrives after this many later ones, at least one.
+    Late(usize),
+}
+
 /// How long bytes take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pace {
@@ -57,6 +70,7 @@ pub struct Wire {
     faults: Faults,
     pace: Pace,
     random: fastrand::Rng,
+    script: VecDeque<Fate>,
     open: Vec<u8>,
     overtaken: Vec<(usize, Vec<u8>)>,
     flying: VecDeque<(Duration, Vec<u8>)>,
@@ -79,6 +93,7 @@ impl Wire {
             faults,
             pace,
             random: fastrand::Rng::with_seed(seed),
+            script: VecDeque::new(),
             open: Vec::new(),
             overtaken: Vec::new(),
             flying: VecDeque::new(),
@@ -86,6 +101,11 @@ impl Wire {
             last_arrival: Duration::ZERO,
             carried: 0,
         }
+    }
+
+    /// The next frames have these fates, and are not damaged; those after them are as before.
+    pub fn ordain(&mut self, fates: impl IntoIterator<Item = Fate>) {
+        self.script.extend(fates);
     }
 
     /// Another wire from now on; what is on its way arrives as before.
@@ -139,20 +159,32 @@ impl Wire {
         });
         self.free_from = self.free_from.max(now) + duration;
         let late = self.release_overtaken();
-        if !self.strikes(self.faults.loss) {
+        let fate = self.script.pop_front().unwrap_or_else(|| {
             self.damage(&mut frame);
-            let twice = self.strikes(self.faults.duplication);
-            if self.faults.depth > 0 && self.strikes(self.faults.reordering) {
-                let frames = self.random.usize(1..=self.faults.depth);
-                self.overtaken.push((frames, frame.clone()));
-            } else {
+            self.draw_fate()
+        });
+        match fate {
+            Fate::Arrive => self.launch(frame),
+            Fate::Vanish => {}
+            Fate::Double => {
                 self.launch(frame.clone());
-            }
-            if twice {
                 self.launch(frame);
             }
+            Fate::Late(frames) => self.overtaken.push((frames, frame)),
         }
         late.into_iter().for_each(|frame| self.launch(frame));
+    }
+
+    fn draw_fate(&mut self) -> Fate {
+        if self.strikes(self.faults.loss) {
+            Fate::Vanish
+        } else if self.strikes(self.faults.duplication) {
+            Fate::Double
+        } else if self.faults.depth > 0 && self.strikes(self.faults.reordering) {
+            Fate::Late(self.random.usize(1..=self.faults.depth))
+        } else {
+            Fate::Arrive
+        }
     }
 
     fn damage(&mut self, frame: &mut Vec<u8>) {

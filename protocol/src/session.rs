@@ -63,6 +63,7 @@ struct Outgoing<Tx> {
     message: Tx,
     sequence: u16,
     arrived: bool,
+    first_sent: Option<Milliseconds>,
     sent: Option<Milliseconds>,
     tries: u8,
 }
@@ -108,13 +109,20 @@ impl<Tx: Serialize + Copy, Rx: Copy> Session<Tx, Rx> {
         WINDOW - self.window.len()
     }
 
+    /// How long the oldest message has been waiting to be handled at the other end, milliseconds.
+    pub fn oldest_wait(&self, now: Milliseconds) -> u32 {
+        let first_sent = self.window.front().and_then(|slot| slot.first_sent);
+        first_sent.map_or(0, |sent| now.since(sent))
+    }
+
     /// Puts a message on the reliable lane.
     ///
     /// # Errors
     /// [`WindowFull`] if [`WINDOW`] messages are under way; try again after the next ack.
     pub fn send(&mut self, message: Tx) -> Result<(), WindowFull> {
         let sequence = self.next_sequence;
-        let slot = Outgoing { message, sequence, arrived: false, sent: None, tries: 0 };
+        let slot =
+            Outgoing { message, sequence, arrived: false, first_sent: None, sent: None, tries: 0 };
         self.window.push_back(slot).map_err(|_| WindowFull)?;
         self.next_sequence = sequence.wrapping_add(1);
         Ok(())
@@ -157,6 +165,7 @@ impl<Tx: Serialize + Copy, Rx: Copy> Session<Tx, Rx> {
         });
         let Some(slot) = due else { return 0 };
         slot.sent = Some(now);
+        slot.first_sent.get_or_insert(now);
         slot.tries = slot.tries.saturating_add(1);
         let (message, sequence, again) = (slot.message, slot.sequence, slot.tries > 1);
         self.counters.retransmitted += u32::from(again);

@@ -144,6 +144,10 @@ impl From<LinkError> for CliError {
                 "link.silent",
                 "is it the right port, and does a robot with wmr firmware listen there?",
             ),
+            LinkError::Deaf(_) => (
+                "link.deaf",
+                "check the wire from this computer to the robot (its RX pin), then drive again",
+            ),
             LinkError::NotARobot { .. } => (
                 "link.not_a_robot",
                 "another device or another firmware answers there; wmr ports lists what is there",

@@ -23,6 +23,9 @@ pub enum LinkError {
     /// The robot fell silent.
     #[error("nothing heard from the robot for {0:?}; it stops by itself after 0.3 s of silence")]
     Lost(Duration),
+    /// The robot is heard, but does not hear.
+    #[error("the robot is heard, but took no notice of this program for {0:?}")]
+    Deaf(Duration),
     /// The robot speaks another version of the protocol, so it may report and stop, but not drive.
     #[error(
         "the robot's firmware {} speaks protocol {} ({:016x}), this program {} ({:016x}); it does not drive",

@@ -31,6 +31,9 @@ const HELLO_INTERVAL: u32 = 50;
 /// A link on which nothing arrives for this long is lost, unless the client is told to wait longer;
 /// the robot has long stopped by itself.
 const PATIENCE: Duration = Duration::from_secs(3);
+/// A robot that is heard, but does not hear, is given this much longer: on a bad wire a message may
+/// have to be sent many times.
+const DEAF_EXTRA: Duration = Duration::from_secs(1);
 
 /// What became of frames on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,6 +62,7 @@ pub struct LinkClient<P> {
     sent: Option<Milliseconds>,
     stop: u8,
     stop_due: StopDue,
+    stop_sent: Option<Milliseconds>,
     pause_wanted: bool,
     bytes: u64,
     received: u32,
@@ -90,6 +94,7 @@ impl<P: Read + Write> LinkClient<P> {
             sent: None,
             stop: 0,
             stop_due: StopDue::No,
+            stop_sent: None,
             pause_wanted: false,
             bytes: 0,
             received: 0,
@@ -209,18 +214,29 @@ impl<P: Read + Write> LinkClient<P> {
         self.receive(now)?;
         match &self.robot {
             None if clock.since(started) > HELLO_TIMEOUT.as_millis() as u32 => {
-                return Err(match self.bytes {
-                    0 => LinkError::Silent(HELLO_TIMEOUT),
-                    bytes => LinkError::NotARobot { bytes, within: HELLO_TIMEOUT },
+                return Err(match (self.bytes, self.received) {
+                    (0, _) => LinkError::Silent(HELLO_TIMEOUT),
+                    (bytes, 0) => LinkError::NotARobot { bytes, within: HELLO_TIMEOUT },
+                    _ => LinkError::Deaf(HELLO_TIMEOUT),
                 });
             }
             None => self.say_hello(clock)?,
             Some(_) if self.session.silence(clock) > self.patience.as_millis() as u32 => {
                 return Err(LinkError::Lost(self.patience));
             }
+            Some(_) if self.unheard(clock) > self.patience + DEAF_EXTRA => {
+                return Err(LinkError::Deaf(self.patience + DEAF_EXTRA));
+            }
             Some(_) => self.transmit(clock)?,
         }
         Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// How long the robot has not taken notice of a command or stop.
+    fn unheard(&self, now: Milliseconds) -> Duration {
+        let stop = self.stop_sent.filter(|_| self.stop_due != StopDue::No);
+        let stop_wait = stop.map_or(0, |sent| now.since(sent));
+        Duration::from_millis(self.session.oldest_wait(now).max(stop_wait).into())
     }
 
     fn receive(&mut self, now: Duration) -> Result<(), LinkError> {
@@ -307,6 +323,9 @@ impl<P: Read + Write> LinkClient<P> {
         let mut frame = [0; MAX_FRAME];
         let due = self.sent.is_none_or(|sent| now.since(sent) >= HEARTBEAT_MILLISECONDS);
         if self.stop_due == StopDue::Now || (self.stop_due == StopDue::Again && due) {
+            if self.stop_due == StopDue::Now {
+                self.stop_sent = Some(now);
+            }
             self.stop_due = StopDue::Again;
             let stop = Command::Stop { number: self.stop };
             let length = self.session.write_unreliable(&stop, &mut frame);
