@@ -1,0 +1,199 @@
+//! `PROTOCOL.md` says what the types say: its tables are drawn anew from them and compared.
+//!
+//! `UPDATE_GOLDEN=1 cargo test -p protocol --test document` rewrites them.
+
+use protocol::frame::{Header, MAX_FRAME, encode};
+use protocol::message::*;
+use protocol::motion::*;
+use protocol::schema::SCHEMA_HASH;
+use protocol::session::WINDOW;
+use protocol::units::*;
+use serde::Serialize;
+use std::fmt::Write;
+
+const BEGIN: &str = "<!-- drawn from the types -->\n";
+const END: &str = "<!-- end -->\n";
+const SCHEMA: &str = include_str!("../src/schema.txt");
+
+fn path() -> &'static str {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/PROTOCOL.md")
+}
+
+#[test]
+fn the_tables_are_those_of_the_types() {
+    let document = std::fs::read_to_string(path()).unwrap();
+    let (before, rest) = document.split_once(BEGIN).unwrap();
+    let (tables, after) = rest.split_once(END).unwrap();
+    let drawn = numbers() + &messages();
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(path(), [before, BEGIN, &drawn, END, after].concat()).unwrap();
+        return;
+    }
+    assert!(tables == drawn, "UPDATE_GOLDEN=1 cargo test -p protocol --test document\n{drawn}");
+}
+
+#[test]
+fn the_drawing_of_the_robot_names_every_state() {
+    let document = std::fs::read_to_string(path()).unwrap();
+    let (_, drawing) = document.split_once("## The robot's states").unwrap();
+    let states = SCHEMA.split_once("\nState = enum\n").unwrap().1;
+    for line in states.lines().take_while(|line| line.starts_with(' ')) {
+        let name = line.split_whitespace().nth(1).unwrap();
+        assert!(drawing.contains(name), "{name}");
+    }
+}
+
+fn numbers() -> String {
+    let mut text = String::from("\n| number | value |\n|---|---|\n");
+    for (name, value) in [
+        ("version of the rules", u64::from(PROTOCOL_VERSION)),
+        ("longest frame, bytes with its zero", MAX_FRAME as u64),
+        ("messages under way at once (window)", WINDOW as u64),
+        ("legs that the robot keeps", MAX_LEGS as u64),
+        ("a frame at least every, ms", HEARTBEAT_MILLISECONDS.into()),
+        ("the robot stops after silence of, ms", SILENCE_LIMIT_MILLISECONDS.into()),
+        ("control tick, ms", TICK_MILLISECONDS.into()),
+    ] {
+        writeln!(text, "| {name} | {value} |").unwrap();
+    }
+    writeln!(text, "| schema hash | 0x{SCHEMA_HASH:016x} |").unwrap();
+    text
+}
+
+fn messages() -> String {
+    let mut text = String::from(
+        "\n| direction | tag | message | lane | frame, bytes |\n|---|---|---|---|---|\n",
+    );
+    rows(&mut text, "host → robot", "\nCommand = enum\n", &commands());
+    rows(&mut text, "robot → host", "\nReport = enum\n", &reports());
+    text + "\n"
+}
+
+/// Whether a message is numbered, and its shortest and longest sample.
+type Row<T> = (bool, T, T);
+
+fn rows<T: Serialize>(text: &mut String, direction: &str, schema: &str, samples: &[Row<T>]) {
+    let listed = SCHEMA.split_once(schema).unwrap().1;
+    let names: Vec<&str> = listed
+        .lines()
+        .take_while(|line| line.starts_with(' '))
+        .filter(|line| !line.starts_with("   "))
+        .collect();
+    assert_eq!(names.len(), samples.len(), "a sample for each of {names:?}");
+    for (name, (numbered, short, long)) in names.into_iter().zip(samples) {
+        let name = name.split_whitespace().nth(1).unwrap();
+        let sizes = [(0, 0, short), (u32::MAX, u16::MAX, long)].map(|(session, number, message)| {
+            let sequence = numbered.then_some(number);
+            let header = Header { session, sequence, ack: number, ack_bits: 0 };
+            encode(&header, message, &mut [0; MAX_FRAME]).unwrap()
+        });
+        let mut content = [0; MAX_FRAME];
+        let tag = postcard::to_slice(short, &mut content).unwrap()[0];
+        let lane = if *numbered { "reliable" } else { "unreliable" };
+        writeln!(text, "| {direction} | {tag} | {name} | {lane} | {}–{} |", sizes[0], sizes[1])
+            .unwrap();
+    }
+}
+
+fn leg(plan: u32, index: u16, goal_heading: Option<Radians>, timing: Timing) -> Leg {
+    Leg {
+        plan,
+        index,
+        start: POSE,
+        goal: Position::new(1.0, 1.0),
+        goal_heading,
+        direction: Direction::Reverse,
+        timing,
+    }
+}
+
+const POSE: Pose = Pose::new(1.0, 1.0, 1.0);
+const LONG: u32 = u32::MAX;
+
+fn commands() -> Vec<Row<Command>> {
+    let hello = |nonce| Command::Hello(HostHello { version: 2, schema: SCHEMA_HASH, nonce });
+    let begin = |plan, number, placement| {
+        let header = PlanHeader { plan, first: number, count: number, digest: plan, placement };
+        Command::PlanBegin(header)
+    };
+    let slow = Timing::Paper { interval_ticks: LONG };
+    let [stop, stops] = [1, u8::MAX].map(|number| Command::Stop { number });
+    let [commit, commits] = [1, LONG].map(|plan| Command::PlanCommit { plan });
+    let [cancel, cancels] = [1, LONG].map(|plan| Command::PlanCancel { plan });
+    let [clear, clears] = [1, u8::MAX].map(|stop| Command::Clear { stop });
+    let reboot = Command::Reboot(Reboot::Bootloader);
+    vec![
+        (false, hello(1), hello(LONG)),
+        (false, Command::Heartbeat, Command::Heartbeat),
+        (false, stop, stops),
+        (true, reboot, reboot),
+        (true, begin(1, 1, Placement::Append), begin(LONG, u16::MAX, Placement::Start(POSE))),
+        (
+            true,
+            Command::PlanLeg(leg(1, 1, None, Timing::Limits)),
+            Command::PlanLeg(leg(LONG, u16::MAX, Some(Radians(1.0)), slow)),
+        ),
+        (true, commit, commits),
+        (true, cancel, cancels),
+        (true, Command::Pause, Command::Pause),
+        (true, Command::Resume, Command::Resume),
+        (true, clear, clears),
+    ]
+}
+
+fn reports() -> Vec<Row<Report>> {
+    let limits = Limits {
+        speed: MetresPerSecond(0.4),
+        acceleration: MetresPerSecondSquared(0.8),
+        track: Metres(0.12),
+    };
+    let hello = |nonce, number, driven| {
+        Report::Hello(RobotHello {
+            version: number,
+            schema: SCHEMA_HASH,
+            host_nonce: nonce,
+            nonce,
+            board: Board::Pico2,
+            firmware: [1; 3],
+            git: nonce,
+            limits,
+            max_legs: number,
+            driven,
+        })
+    };
+    let driven = Driven { plan: LONG, next: u16::MAX, end: u16::MAX };
+    let telemetry = |ticks, distance, state, leg| {
+        let wheels =
+            WheelSpeeds { left: RadiansPerSecond(distance), right: RadiansPerSecond(distance) };
+        let pose = Pose::new(distance, distance, 1.0);
+        Report::Telemetry(Telemetry { ticks, pose, wheels, state, leg })
+    };
+    let done = |plan, end| Report::PlanDone { plan, end, pose: POSE };
+    let result = |plan, index, ticks| {
+        Report::LegDone(LegResult { plan, index, ticks, pose: POSE })
+    };
+    let too_short = Refusal::TooShort(Infeasible { shortest: Seconds(1.0) });
+    let refused = PlanRefusal::Leg { index: u16::MAX, refusal: too_short };
+    let [heard, heards] = [1, u8::MAX].map(|stop| Report::Heartbeat { stop });
+    vec![
+        (false, hello(1, 1, None), hello(LONG, u16::MAX, Some(driven))),
+        (false, heard, heards),
+        (
+            false,
+            telemetry(1, 0.0, State::Idle, 0),
+            telemetry(LONG, 100.0, State::Paused(PauseReason::Silence), u16::MAX),
+        ),
+        (
+            true,
+            Report::PlanAccepted { plan: 1, end: 1 },
+            Report::PlanAccepted { plan: LONG, end: u16::MAX },
+        ),
+        (
+            true,
+            Report::PlanRefused { plan: 1, reason: PlanRefusal::Empty },
+            Report::PlanRefused { plan: LONG, reason: refused },
+        ),
+        (true, result(1, 1, 1), result(LONG, u16::MAX, LONG)),
+        (true, done(1, 1), done(LONG, u16::MAX)),
+    ]
+}
