@@ -87,7 +87,7 @@ fn a_wire_that_dies_at_any_frame_is_an_error_and_the_robot_rests() {
             let end = end(&mut client, 1);
             assert!(matches!(end, Err(MissionError::Link(_)) | Ok(_)), "{ways:?} {frames} {end:?}");
             client.port_mut().wait(STUCK).unwrap();
-            let state = client.port_mut().brain().robot().state();
+            let state = client.port_mut().brain_mut().robot().state();
             assert!(matches!(state, State::Idle | State::Paused(_)), "{ways:?} {frames} {state:?}");
         }
     }
@@ -109,7 +109,7 @@ fn no_clear_that_was_sent_before_a_stop_undoes_it() {
             client.poll(now).unwrap();
         }
         assert_eq!(client.unacknowledged(), 0);
-        assert_eq!(client.port_mut().brain().robot().state(), State::Stopped);
+        assert_eq!(client.port_mut().brain_mut().robot().state(), State::Stopped);
         assert!(client.clear(), "the robot has heard of the stop");
     }
 }

@@ -12,8 +12,8 @@ use crate::link_end::{Heard, LinkEnd};
 use crate::parameters::Parameters;
 use heapless::Deque;
 use protocol::message::{
-    Board, Command, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal, Reboot,
-    Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
+    Board, Command, Driven, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal,
+    Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
 use protocol::schema::SCHEMA_HASH;
@@ -65,7 +65,8 @@ pub struct Robot {
     owner: Option<Port>,
     answers: Deque<Report, ANSWERS>,
     results: Deque<LegResult, { MAX_LEGS + 1 }>,
-    plan_done: Option<Report>,
+    plan_end: Option<Report>,
+    driven: Option<Driven>,
     reboot: Option<Reboot>,
     ticks: u32,
 }
@@ -92,7 +93,8 @@ impl Robot {
             owner: None,
             answers: Deque::new(),
             results: Deque::new(),
-            plan_done: None,
+            plan_end: None,
+            driven: None,
             reboot: None,
             ticks: 0,
         }
@@ -128,10 +130,11 @@ impl Robot {
             }
             Some(Event::PlanDone { plan, pose }) => {
                 let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
-                self.plan_done = Some(Report::PlanDone { plan, end, pose });
+                self.plan_end = Some(Report::PlanDone { plan, end, pose });
             }
             None => {}
         }
+        self.notice_stop();
         self.flush();
         for port in [Port::Usb, Port::Uart] {
             self.take_commands(port);
@@ -173,10 +176,22 @@ impl Robot {
         }
     }
 
+    /// A stop or fault makes the controller forget its plan; the host is told how far it came.
+    fn notice_stop(&mut self) {
+        let driven = self.controller.queue().driven();
+        if let (Some(Driven { plan, next, end }), None) = (self.driven, driven)
+            && next != end
+        {
+            let (state, pose) = (self.controller.state(), self.controller.pose());
+            self.plan_end = Some(Report::PlanStopped { plan, next, state, pose });
+        }
+        self.driven = driven;
+    }
+
     fn forget_reports(&mut self) {
         self.answers.clear();
         self.results.clear();
-        self.plan_done = None;
+        self.plan_end = None;
     }
 
     /// Obeys the reliable lane, as long as there is room for what there is to say about it. What
@@ -184,7 +199,7 @@ impl Robot {
     fn take_commands(&mut self, port: Port) {
         let owns = self.owner == Some(port);
         while self.link(port).has_room()
-            && !(owns && (self.answers.is_full() || self.plan_done.is_some()))
+            && !(owns && (self.answers.is_full() || self.plan_end.is_some()))
         {
             let Some(command) = self.link(port).next_command() else { return };
             self.obey(port, command);
@@ -254,14 +269,14 @@ impl Robot {
                 return;
             }
             if self.answers.pop_front().is_none() && self.results.pop_front().is_none() {
-                self.plan_done = None;
+                self.plan_end = None;
             }
         }
     }
 
     fn next_report(&self) -> Option<Report> {
         let result = || self.results.front().map(|result| Report::LegDone(*result));
-        self.answers.front().copied().or_else(result).or(self.plan_done)
+        self.answers.front().copied().or_else(result).or(self.plan_end)
     }
 
     fn telemetry(&self) -> Telemetry {

@@ -81,16 +81,6 @@ impl<B: Brain> Simulation<B> {
         [&mut self.to_robot, &mut self.to_host]
     }
 
-    /// The firmware, as it runs.
-    pub fn brain(&self) -> &B {
-        &self.brain
-    }
-
-    /// Puts another firmware in the place of this one, as a reset does; the base rolls on.
-    pub fn replace_brain(&mut self, brain: B) {
-        self.brain = brain;
-    }
-
     /// Time since the start.
     pub fn now(&self) -> Duration {
         self.now + self.owed

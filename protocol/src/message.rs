@@ -160,6 +160,17 @@ pub enum Report {
         /// Where the robot believes it stands.
         pose: Pose,
     },
+    /// A stop or fault has ended the plan before its last leg, and the robot has forgotten it.
+    PlanStopped {
+        /// The plan driven.
+        plan: u32,
+        /// The first leg that has not ended.
+        next: u16,
+        /// Stopped, or faulted and why.
+        state: State,
+        /// Where the robot believes it stands.
+        pose: Pose,
+    },
 }
 
 /// How the robot introduces itself.

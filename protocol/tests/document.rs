@@ -82,11 +82,12 @@ fn rows<T: Serialize>(text: &mut String, direction: &str, schema: &str, samples:
     assert_eq!(names.len(), samples.len(), "a sample for each of {names:?}");
     for (name, (numbered, short, long)) in names.into_iter().zip(samples) {
         let name = name.split_whitespace().nth(1).unwrap();
-        let sizes = [(0, 0, short), (u32::MAX, u16::MAX, long)].map(|(session, number, message)| {
-            let sequence = numbered.then_some(number);
-            let header = Header { session, sequence, ack: number, ack_bits: 0 };
-            encode(&header, message, &mut [0; MAX_FRAME]).unwrap()
-        });
+        let sizes =
+            [(0, 0, short), (u32::MAX, u16::MAX, long)].map(|(session, number, message)| {
+                let sequence = numbered.then_some(number);
+                let header = Header { session, sequence, ack: number, ack_bits: 0 };
+                encode(&header, message, &mut [0; MAX_FRAME]).unwrap()
+            });
         let mut content = [0; MAX_FRAME];
         let tag = postcard::to_slice(short, &mut content).unwrap()[0];
         let lane = if *numbered { "reliable" } else { "unreliable" };
@@ -169,9 +170,8 @@ fn reports() -> Vec<Row<Report>> {
         Report::Telemetry(Telemetry { ticks, pose, wheels, state, leg })
     };
     let done = |plan, end| Report::PlanDone { plan, end, pose: POSE };
-    let result = |plan, index, ticks| {
-        Report::LegDone(LegResult { plan, index, ticks, pose: POSE })
-    };
+    let result = |plan, index, ticks| Report::LegDone(LegResult { plan, index, ticks, pose: POSE });
+    let stopped = |plan, next, state| Report::PlanStopped { plan, next, state, pose: POSE };
     let too_short = Refusal::TooShort(Infeasible { shortest: Seconds(1.0) });
     let refused = PlanRefusal::Leg { index: u16::MAX, refusal: too_short };
     let [heard, heards] = [1, u8::MAX].map(|stop| Report::Heartbeat { stop });
@@ -195,5 +195,10 @@ fn reports() -> Vec<Row<Report>> {
         ),
         (true, result(1, 1, 1), result(LONG, u16::MAX, LONG)),
         (true, done(1, 1), done(LONG, u16::MAX)),
+        (
+            true,
+            stopped(1, 1, State::Stopped),
+            stopped(LONG, u16::MAX, State::Faulted(Fault::Stall)),
+        ),
     ]
 }

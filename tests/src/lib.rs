@@ -3,6 +3,7 @@
 
 pub mod elf_file;
 pub mod damage;
+pub mod fuzzing;
 pub mod link;
 
 use firmware::parameters::Parameters;

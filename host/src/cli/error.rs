@@ -179,6 +179,9 @@ impl From<MissionError> for CliError {
                 error,
                 "free the robot, put it at the start, and drive again",
             ),
+            MissionError::Cancelled { .. } => {
+                Self::new(Exit::Robot, "robot.cancelled", error, "drive the rest with another plan")
+            }
             MissionError::Stopped => Self::new(
                 Exit::Robot,
                 "robot.stopped",

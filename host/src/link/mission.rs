@@ -63,6 +63,12 @@ pub enum MissionError {
     /// The robot was told to stop.
     #[error("the robot was told to stop and has stopped")]
     Stopped,
+    /// The rest of the plan was cancelled.
+    #[error("the plan was cancelled; it ended after {legs} legs")]
+    Cancelled {
+        /// The legs driven.
+        legs: u16,
+    },
     /// The plan has more legs than can be numbered.
     #[error("the plan has {legs} legs; a plan may have {most}")]
     TooManyLegs {
@@ -103,6 +109,8 @@ pub struct Mission {
     max_legs: usize,
     greeted: Option<u32>,
     accepted: Option<u32>,
+    accepted_end: u16,
+    own_stop: u8,
     clearings: u32,
     resume_asked: bool,
     ticks: Option<u32>,
@@ -133,6 +141,8 @@ impl Mission {
             max_legs: 0,
             greeted: None,
             accepted: None,
+            accepted_end: 0,
+            own_stop: 0,
             clearings: 0,
             resume_asked: false,
             ticks: None,
@@ -167,7 +177,6 @@ impl Mission {
                 self.progress.pose = telemetry.pose;
             }
             events.push(MissionEvent::Telemetry(*telemetry));
-            self.check(telemetry)?;
         }
         Ok(events)
     }
@@ -177,6 +186,9 @@ impl Mission {
         client: &mut LinkClient<P>,
         events: &mut Vec<MissionEvent>,
     ) -> Result<(), MissionError> {
+        if self.phase != Phase::Greeting && self.own_stop != client.last_stop().0 {
+            return self.yield_to_stop(client);
+        }
         match self.phase {
             Phase::Greeting => self.greet(client, events)?,
             Phase::Halting => {
@@ -188,6 +200,9 @@ impl Mission {
                 if client.clear() {
                     self.clearings += 1;
                     self.phase = Phase::Driving;
+                    if self.is_behind_all_legs() {
+                        events.push(MissionEvent::Done(self.progress.pose));
+                    }
                 }
             }
             Phase::Driving => {
@@ -204,6 +219,18 @@ impl Mission {
         Ok(())
     }
 
+    /// The user has asked for a stop: nothing more is sent. A plan that was not yet accepted never
+    /// will be; any other ends with a report.
+    fn yield_to_stop<P: Read + Write>(
+        &mut self,
+        client: &LinkClient<P>,
+    ) -> Result<(), MissionError> {
+        self.commands.clear();
+        let (_, heard) = client.last_stop();
+        let rests = client.telemetry().is_some_and(has_stopped);
+        if self.accepted.is_none() && heard && rests { Err(MissionError::Stopped) } else { Ok(()) }
+    }
+
     fn greet<P: Read + Write>(
         &mut self,
         client: &mut LinkClient<P>,
@@ -215,6 +242,7 @@ impl Mission {
         client.check_protocol()?;
         let driven = robot.driven.filter(|driven| self.resuming && driven.plan == self.plan);
         let since = *self.greeted.get_or_insert(telemetry.ticks);
+        let (state, ticks) = (telemetry.state, telemetry.ticks);
         if telemetry.state == State::Driving && driven.is_none() && !is_fresh(telemetry, since) {
             // The last mission on this link may have ended since.
             return Ok(());
@@ -222,11 +250,12 @@ impl Mission {
         events.push(MissionEvent::Connected(robot));
         self.check_legs(&robot)?;
         self.max_legs = usize::from(robot.max_legs);
-        self.phase = match (telemetry.state, driven) {
+        self.phase = match (state, driven) {
             (State::Idle | State::Driving | State::Paused(_), Some(driven)) => {
-                self.take_up(driven, telemetry.ticks);
-                if usize::from(driven.next) == self.legs.len() {
-                    events.push(MissionEvent::Done(telemetry.pose));
+                self.take_up(driven, ticks);
+                if matches!(state, State::Paused(_)) {
+                    // To resume the mission is to end its pause, whoever asked for that.
+                    self.commands.push_back(Command::Resume);
                 }
                 Phase::Driving
             }
@@ -237,13 +266,22 @@ impl Mission {
                 Phase::Halting
             }
         };
+        self.own_stop = client.last_stop().0;
+        if driven.is_some() && self.is_behind_all_legs() && state == State::Idle {
+            events.push(MissionEvent::Done(self.progress.pose));
+        }
         Ok(())
+    }
+
+    fn is_behind_all_legs(&self) -> bool {
+        usize::from(self.progress.next) == self.legs.len()
     }
 
     /// Goes on with a plan that the robot still has.
     fn take_up(&mut self, driven: Driven, ticks: u32) {
         self.progress.next = driven.next;
         self.announced = usize::from(driven.end);
+        self.accepted_end = driven.end;
         self.accepted = Some(ticks);
     }
 
@@ -303,32 +341,32 @@ impl Mission {
             Report::PlanRefused { plan, reason } if plan == self.plan => {
                 Err(MissionError::Refused(reason))
             }
-            Report::PlanAccepted { plan, .. } if plan == self.plan && self.accepted.is_none() => {
-                let ticks = self.ticks.unwrap_or(0);
-                self.accepted = Some(ticks);
-                Ok(Some(MissionEvent::Accepted { ticks }))
+            Report::PlanAccepted { plan, end } if plan == self.plan => {
+                let begins = self.accepted.is_none();
+                let ticks = *self.accepted.get_or_insert(self.ticks.unwrap_or(0));
+                self.accepted_end = end;
+                Ok(begins.then_some(MissionEvent::Accepted { ticks }))
             }
             Report::LegDone(result) if result.plan == self.plan => {
                 self.progress = Progress { next: result.index + 1, pose: result.pose };
                 Ok(Some(MissionEvent::LegDone(result)))
             }
-            Report::PlanDone { plan, end, pose }
-                if plan == self.plan && usize::from(end) == self.legs.len() =>
-            {
+            Report::PlanDone { plan, end, pose } if plan == self.plan => {
                 self.progress = Progress { next: end, pose };
-                Ok(Some(MissionEvent::Done(pose)))
+                if end < self.accepted_end {
+                    return Err(MissionError::Cancelled { legs: end });
+                }
+                // The robot may have run dry while the next legs are on their way.
+                Ok(self.is_behind_all_legs().then_some(MissionEvent::Done(pose)))
+            }
+            Report::PlanStopped { plan, next, state, pose } if plan == self.plan => {
+                self.progress = Progress { next, pose };
+                Err(match state {
+                    State::Faulted(fault) => MissionError::Fault(fault),
+                    _ => MissionError::Stopped,
+                })
             }
             _ => Ok(None),
-        }
-    }
-
-    fn check(&self, telemetry: &Telemetry) -> Result<(), MissionError> {
-        let fresh = self.accepted.is_some_and(|since| is_fresh(telemetry, since));
-        match telemetry.state {
-            State::Faulted(fault) if fresh => Err(MissionError::Fault(fault)),
-            // Not before the wheels rest: a stop takes as long as the limits need.
-            State::Stopped if fresh && has_stopped(telemetry) => Err(MissionError::Stopped),
-            _ => Ok(()),
         }
     }
 }

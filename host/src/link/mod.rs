@@ -197,6 +197,11 @@ impl<P: Read + Write> LinkClient<P> {
         }
     }
 
+    /// The number of the last stop, 0 for none, and whether the robot has heard of it.
+    pub fn last_stop(&self) -> (u8, bool) {
+        (self.stop, self.stop_due == StopDue::No)
+    }
+
     /// Asks the robot to forget the stops so far, as [`send`](Self::send) does; false also while it
     /// has not yet heard of the last.
     pub fn clear(&mut self) -> bool {

@@ -1,0 +1,33 @@
+//! The fuzz targets' bodies, on the corpus and on seeded random bytes.
+
+use fastrand::Rng;
+use std::fs;
+use tests::fuzzing::{decoder, whole_stack};
+
+fn corpus(target: &str) -> Vec<Vec<u8>> {
+    let folder = format!("{}/../fuzz/corpus/{target}", env!("CARGO_MANIFEST_DIR"));
+    let files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(!files.is_empty());
+    files.iter().map(|file| fs::read(file).unwrap()).collect()
+}
+
+#[test]
+fn the_decoder_keeps_its_promises() {
+    corpus("decoder").iter().for_each(|bytes| decoder(bytes));
+    let mut random = Rng::with_seed(1);
+    for _ in 0..100_000 {
+        let bytes: Vec<u8> = (0..random.usize(0..200)).map(|_| random.u8(..)).collect();
+        decoder(&bytes);
+    }
+}
+
+#[test]
+fn the_whole_stack_keeps_its_promises() {
+    corpus("whole_stack").iter().for_each(|bytes| whole_stack(bytes));
+    for seed in 0..3_000 {
+        let mut random = Rng::with_seed(seed);
+        let bytes: Vec<u8> = (0..random.usize(0..120)).map(|_| random.u8(..)).collect();
+        let result = std::panic::catch_unwind(|| whole_stack(&bytes));
+        assert!(result.is_ok(), "seed {seed}: {bytes:?}");
+    }
+}
