@@ -36,7 +36,7 @@ impl CellMap {
     ///
     /// ```
     /// use host::map::CellMap;
-    /// let yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.2\nnegate: 0";
+    /// let yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0";
     /// let map = CellMap::from_ros(yaml, b"P5 3 1 255\n\x00\xfe\xcd")?;
     /// assert_eq!(map.blocked, [true, false, true]); // occupied, free, unknown
     /// # Ok::<(), host::map::MapError>(())
