@@ -75,7 +75,7 @@ fn range(leg: &[Point], reach: f64) -> LatticeRect {
 fn span_distance(a: Point, b: Point, rect: &Rect) -> f64 {
     let dx = (rect.x0 - a.x.max(b.x)).max(a.x.min(b.x) - rect.x1).max(0.0);
     let dy = (rect.y0 - a.y.max(b.y)).max(a.y.min(b.y) - rect.y1).max(0.0);
-    dx.hypot(dy)
+    (dx * dx + dy * dy).sqrt()
 }
 
 /// The distance between a straight leg and a rectangle, metres.

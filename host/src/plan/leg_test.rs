@@ -88,6 +88,9 @@ impl LegTest {
         };
         let corners = self.near(spanned(a, b)).flat_map(|grown| grown.corners());
         let mut stops: Vec<LatticePoint> = corners.filter(between).collect();
+        if stops.is_empty() && a.x != b.x && a.y != b.y {
+            return true;
+        }
         stops.extend([a, b]);
         stops.sort_unstable();
         stops.dedup();

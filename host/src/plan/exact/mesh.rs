@@ -11,11 +11,12 @@ use crate::grid::LatticePoint;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PortalEnd {
     pub(super) at: LatticePoint,
-    /// The same for every portal that ends here, if a box's corner stands here.
-    pub(super) vertex: u32,
-    /// Whether a box's corner stands here: only there a shortest way turns.
-    pub(super) is_corner: bool,
+    /// The number of the box's corner that stands here, or [`NO_CORNER`].
+    pub(super) corner: u32,
 }
+
+/// The end of a portal at which no box's corner stands: there a shortest way never turns.
+pub(super) const NO_CORNER: u32 = u32::MAX;
 
 /// A straight opening from one piece to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,14 @@ pub(super) struct Portal {
     pub(super) left: PortalEnd,
     /// The piece that it leads to.
     pub(super) beyond: u32,
+    /// Whether all that lies beyond is a dead end: only a way that ends there enters.
+    pub(super) is_dead_end: bool,
+}
+
+impl Portal {
+    pub(super) fn new(right: PortalEnd, left: PortalEnd, beyond: u32) -> Self {
+        Self { right, left, beyond, is_dead_end: false }
+    }
 }
 
 /// The pieces with their portals.
@@ -32,7 +41,9 @@ pub(super) struct Mesh {
     /// The portals of piece `i` are `portals[first[i]..first[i + 1]]`.
     first: Vec<u32>,
     portals: Vec<Portal>,
-    pub(super) vertices: usize,
+    /// By piece: whether only a way that begins or ends there enters it.
+    dead_ends: Vec<bool>,
+    pub(super) corners: usize,
 }
 
 impl Mesh {
@@ -42,15 +53,11 @@ impl Mesh {
             let end = |side: usize, y: i32| PortalEnd {
                 at: LatticePoint::new(door.x, y),
                 // At one point no two doors have a corner: each end can have its own number.
-                vertex: (2 * index + side) as u32,
-                is_corner: door.corners[side],
+                corner: if door.corners[side] { (2 * index + side) as u32 } else { NO_CORNER },
             };
             let (low, high) = (end(0, door.y0), end(1, door.y1));
             let [left, right] = door.cells;
-            [
-                (left, Portal { right: low, left: high, beyond: right }),
-                (right, Portal { right: high, left: low, beyond: left }),
-            ]
+            [(left, Portal::new(low, high, right)), (right, Portal::new(high, low, left))]
         });
         Self::new(slabs.cells.len(), 2 * slabs.doors.len(), each)
     }
@@ -58,7 +65,7 @@ impl Mesh {
     /// The mesh of `pieces` pieces from their portals, each with the piece that it leads from.
     pub(super) fn new(
         pieces: usize,
-        vertices: usize,
+        corners: usize,
         portals: impl Iterator<Item = (u32, Portal)> + Clone,
     ) -> Self {
         let mut first = vec![0_u32; pieces + 2];
@@ -70,15 +77,44 @@ impl Mesh {
         for index in 2..first.len() {
             first[index] += first[index - 1];
         }
-        let nowhere = PortalEnd { at: LatticePoint::new(0, 0), vertex: 0, is_corner: false };
-        let mut list = vec![Portal { right: nowhere, left: nowhere, beyond: 0 }; count];
+        let nowhere = PortalEnd { at: LatticePoint::new(0, 0), corner: NO_CORNER };
+        let mut list = vec![Portal::new(nowhere, nowhere, 0); count];
         for (piece, portal) in portals {
             let place = &mut first[piece as usize + 1];
             list[*place as usize] = portal;
             *place += 1;
         }
         first.pop();
-        Self { first, portals: list, vertices }
+        let mut mesh = Self { first, portals: list, dead_ends: Vec::new(), corners };
+        mesh.find_dead_ends();
+        mesh
+    }
+
+    /// Marks pieces with a single portal, then those that have a single one left, and so on: the
+    /// paper's un-useful areas.
+    fn find_dead_ends(&mut self) {
+        let pieces = self.pieces() as u32;
+        let mut ways: Vec<usize> = (0..pieces).map(|piece| self.portals(piece).len()).collect();
+        self.dead_ends = vec![false; ways.len()];
+        let mut waiting: Vec<u32> = (0..pieces).filter(|&piece| ways[piece as usize] < 2).collect();
+        while let Some(piece) = waiting.pop() {
+            self.dead_ends[piece as usize] = true;
+            for portal in &self.portals[self.range(piece)] {
+                let next = portal.beyond as usize;
+                ways[next] = ways[next].saturating_sub(1);
+                if ways[next] == 1 && !self.dead_ends[next] {
+                    waiting.push(portal.beyond);
+                }
+            }
+        }
+        for portal in &mut self.portals {
+            portal.is_dead_end = self.dead_ends[portal.beyond as usize];
+        }
+    }
+
+    /// Whether only a way that begins or ends there enters `piece`.
+    pub(super) fn is_dead_end(&self, piece: u32) -> bool {
+        self.dead_ends[piece as usize]
     }
 
     pub(super) fn pieces(&self) -> usize {
@@ -87,8 +123,16 @@ impl Mesh {
 
     /// The portals out of `piece`.
     pub(super) fn portals(&self, piece: u32) -> &[Portal] {
-        let piece = piece as usize;
-        &self.portals[self.first[piece] as usize..self.first[piece + 1] as usize]
+        &self.portals[self.range(piece)]
+    }
+
+    /// The numbers of the portals out of `piece`.
+    pub(super) fn range(&self, piece: u32) -> std::ops::Range<usize> {
+        self.first[piece as usize] as usize..self.first[piece as usize + 1] as usize
+    }
+
+    pub(super) fn portal(&self, number: usize) -> &Portal {
+        &self.portals[number]
     }
 
     /// By piece, the number of its component: pieces of different components are not connected.

@@ -11,28 +11,37 @@
 //! 1e-15. Lengths, which only rank nodes, are `f64`. Lattice units.
 
 use super::super::ranked::Ranked;
-use super::mesh::{Mesh, Portal, PortalEnd};
+use super::mesh::{Mesh, NO_CORNER, Portal, PortalEnd};
 use crate::grid::LatticePoint;
 use std::collections::BinaryHeap;
 
-/// The number of the start among the roots, where corners have the numbers of their vertices.
+/// The number of the start among the roots, where corners have their own numbers.
 const START: u32 = u32::MAX;
 
 /// Two ways to one corner whose lengths differ by less than this part are equally good.
 const EQUAL: f64 = 1e-12;
 
-/// A direction from the root, in units.
-type Ray = (i64, i64);
+/// A direction, in units. Coordinates are at most 2^29, so that a difference fits.
+type Ray = (i32, i32);
+
+fn ray(from: LatticePoint, to: LatticePoint) -> Ray {
+    (to.x - from.x, to.y - from.y)
+}
 
 fn cross(a: Ray, b: Ray) -> i64 {
-    a.0 * b.1 - a.1 * b.0
+    i64::from(a.0) * i64::from(b.1) - i64::from(a.1) * i64::from(b.0)
+}
+
+fn dot(a: Ray, b: Ray) -> i64 {
+    i64::from(a.0) * i64::from(b.0) + i64::from(a.1) * i64::from(b.1)
 }
 
 /// Where a cone begins: the start or a corner at which the way turned.
 #[derive(Clone, Copy, Debug)]
 struct Root {
     at: LatticePoint,
-    vertex: u32,
+    /// The number of the corner, or [`START`].
+    corner: u32,
     /// The length of the way up to here.
     length: f64,
 }
@@ -51,7 +60,8 @@ struct View {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     root: Root,
-    portal: Portal,
+    /// The number of the portal.
+    portal: u32,
     /// `None` if the root is an end of the portal, or in line with it: all of the piece is in view.
     view: Option<View>,
 }
@@ -73,6 +83,8 @@ pub(super) struct Search {
     query: u32,
     nodes: Vec<Node>,
     queue: BinaryHeap<Ranked>,
+    /// Whether the query's way enters no dead end.
+    avoids_dead_ends: bool,
     /// The nodes that one expansion makes.
     made: Vec<Node>,
 }
@@ -84,6 +96,14 @@ pub(super) struct Query<'a> {
     pub(super) goal: LatticePoint,
     pub(super) start_pieces: &'a [u32],
     pub(super) goal_pieces: &'a [u32],
+}
+
+impl Query<'_> {
+    /// Whether the way neither begins nor ends in a dead end, so that it enters none.
+    fn avoids_dead_ends(&self, mesh: &Mesh) -> bool {
+        let mut ends = self.start_pieces.iter().chain(self.goal_pieces);
+        !ends.any(|&piece| mesh.is_dead_end(piece))
+    }
 }
 
 /// The best whole way known so far.
@@ -101,9 +121,10 @@ impl Search {
             return Some(vec![query.start, query.goal]);
         }
         self.prepare(mesh);
+        self.avoids_dead_ends = query.avoids_dead_ends(mesh);
         let mut best = Best { length: f64::INFINITY, root: START };
         self.leave_start(mesh, query);
-        self.enqueue(query, best.length);
+        self.enqueue(mesh, query, best.length);
         while let Some(Ranked { cost, index }) = self.queue.pop() {
             if cost >= best.length {
                 break;
@@ -115,13 +136,14 @@ impl Search {
                     break;
                 }
                 self.made.clear();
-                if query.goal_pieces.contains(&node.portal.beyond) {
-                    self.arrive(&node, query.goal, &mut best);
+                let portal = mesh.portal(node.portal as usize);
+                if query.goal_pieces.contains(&portal.beyond) {
+                    self.arrive(&node, portal, query.goal, &mut best);
                 }
-                self.expand(mesh, &node, query);
+                self.expand(mesh, &node);
                 match self.made[..] {
                     [only] => node = only,
-                    _ => break self.enqueue(query, best.length),
+                    _ => break self.enqueue(mesh, query, best.length),
                 }
             }
         }
@@ -130,10 +152,10 @@ impl Search {
 
     fn prepare(&mut self, mesh: &Mesh) {
         self.query = self.query.wrapping_add(1);
-        if self.reached.len() < mesh.vertices || self.query == 0 {
+        if self.reached.len() < mesh.corners || self.query == 0 {
             let unreached =
                 Reached { length: 0.0, parent: START, at: LatticePoint::new(0, 0), query: 0 };
-            self.reached = vec![unreached; mesh.vertices];
+            self.reached = vec![unreached; mesh.corners];
             self.query = 1;
         }
         self.nodes.clear();
@@ -143,171 +165,159 @@ impl Search {
 
     /// The views out of the pieces that hold the start.
     fn leave_start(&mut self, mesh: &Mesh, query: &Query) {
-        let start = Root { at: query.start, vertex: START, length: 0.0 };
-        for portal in query.start_pieces.iter().flat_map(|&piece| mesh.portals(piece)) {
+        let start = Root { at: query.start, corner: START, length: 0.0 };
+        for number in query.start_pieces.iter().flat_map(|&piece| mesh.range(piece)) {
+            let portal = mesh.portal(number);
             // Through a portal that the start lies on, the next piece holds the start too.
-            let (u, w) = (start.at.to(portal.right.at), start.at.to(portal.left.at));
-            let is_on = cross(u, w) == 0 && u.0 * w.0 + u.1 * w.1 <= 0;
-            if !is_on && !query.start_pieces.contains(&portal.beyond) {
-                self.see(start, portal, u, w);
+            if !query.start_pieces.contains(&portal.beyond) {
+                self.see(start, portal, number);
             }
         }
     }
 
     /// Adds the nodes behind the portals of the piece that `node` enters.
-    fn expand(&mut self, mesh: &Mesh, node: &Node, query: &Query) {
-        let entered = &node.portal;
-        let portals = mesh.portals(entered.beyond);
-        let is_back = |portal: &Portal| {
-            portal.right.vertex == entered.left.vertex && portal.left.vertex == entered.right.vertex
-        };
-        let useful = |portal: &&Portal| {
-            !is_back(portal)
-                && (mesh.portals(portal.beyond).len() > 1
-                    || query.goal_pieces.contains(&portal.beyond))
-        };
-        let Some(view) = &node.view else {
-            for portal in portals.iter().filter(useful) {
-                let (u, w) = (node.root.at.to(portal.right.at), node.root.at.to(portal.left.at));
-                self.see(node.root, portal, u, w);
+    fn expand(&mut self, mesh: &Mesh, node: &Node) {
+        let entered = mesh.portal(node.portal as usize);
+        let (mut right_root, mut left_root) = (None, None);
+        if let Some(view) = &node.view {
+            if view.right_at_end {
+                right_root = self.turn_at(&node.root, &entered.right);
             }
-            return;
-        };
-        let right_root = (view.right_at_end && entered.right.is_corner)
-            .then(|| self.turn_at(&node.root, &entered.right))
-            .flatten();
-        let left_root = (view.left_at_end && entered.left.is_corner)
-            .then(|| self.turn_at(&node.root, &entered.left))
-            .flatten();
-        for portal in portals.iter().filter(useful) {
-            self.look_through(node, view, portal, (right_root, left_root));
+            if view.left_at_end {
+                left_root = self.turn_at(&node.root, &entered.left);
+            }
+        }
+        for number in mesh.range(entered.beyond) {
+            let portal = mesh.portal(number);
+            let is_back = portal.right.at == entered.left.at && portal.left.at == entered.right.at;
+            if is_back || (self.avoids_dead_ends && portal.is_dead_end) {
+                continue;
+            }
+            let Some(view) = &node.view else {
+                self.see(node.root, portal, number);
+                continue;
+            };
+            let sides = Sides::of(node.root.at, view, portal);
+            self.look_through(&node.root, view, &sides, (portal, number));
+            if let Some(corner) = right_root {
+                let is_same_end = portal.right.at == corner.at;
+                if sides.right_of_right(is_same_end) {
+                    let right = ray(corner.at, portal.right.at);
+                    let whole = sides.left_end.0 <= 0;
+                    let left = if whole { ray(corner.at, portal.left.at) } else { view.right };
+                    self.see_between(corner, (portal, number), (right, left));
+                }
+            }
+            if let Some(corner) = left_root {
+                let is_same_end = portal.left.at == corner.at;
+                if sides.left_of_left(is_same_end) {
+                    let left = ray(corner.at, portal.left.at);
+                    let whole = sides.right_end.1 >= 0;
+                    let right = if whole { ray(corner.at, portal.right.at) } else { view.left };
+                    self.see_between(corner, (portal, number), (right, left));
+                }
+            }
         }
     }
 
-    /// What of `portal` is seen in `view`, and what round the corners at its ends.
+    /// Adds what of `portal` lies between the rays of `view`.
     fn look_through(
         &mut self,
-        node: &Node,
+        root: &Root,
         view: &View,
-        portal: &Portal,
-        (right_root, left_root): (Option<Root>, Option<Root>),
+        sides: &Sides,
+        (portal, number): (&Portal, usize),
     ) {
-        let root = node.root;
-        let (u, w) = (root.at.to(portal.right.at), root.at.to(portal.left.at));
-        let (right_u, right_w) = (cross(view.right, u), cross(view.right, w));
-        let (left_u, left_w) = (cross(view.left, u), cross(view.left, w));
-        if right_w > 0 && left_u < 0 {
+        let (u, w) = (sides.right_end, sides.left_end);
+        if w.0 > 0 && u.1 < 0 {
             let seen = View {
-                right: if right_u > 0 { u } else { view.right },
-                left: if left_w < 0 { w } else { view.left },
-                right_at_end: right_u >= 0,
-                left_at_end: left_w <= 0,
+                right: if u.0 > 0 { ray(root.at, portal.right.at) } else { view.right },
+                left: if w.1 < 0 { ray(root.at, portal.left.at) } else { view.left },
+                right_at_end: u.0 >= 0,
+                left_at_end: w.1 <= 0,
             };
-            self.made.push(Node { root, portal: *portal, view: Some(seen) });
-        } else if (right_u == 0 && right_w == 0) || (left_u == 0 && left_w == 0) {
-            self.see(root, portal, u, w);
-        }
-        if let Some(corner) = right_root {
-            let same_end = portal.right.vertex == node.portal.right.vertex;
-            if right_u < 0 || (same_end && right_w < 0) {
-                let (u, w) = (corner.at.to(portal.right.at), corner.at.to(portal.left.at));
-                self.see_between(
-                    corner,
-                    portal,
-                    (u, w),
-                    (u, if right_w <= 0 { w } else { view.right }),
-                );
-            }
-        }
-        if let Some(corner) = left_root {
-            let same_end = portal.left.vertex == node.portal.left.vertex;
-            if left_w > 0 || (same_end && left_u > 0) {
-                let (u, w) = (corner.at.to(portal.right.at), corner.at.to(portal.left.at));
-                self.see_between(
-                    corner,
-                    portal,
-                    (u, w),
-                    (if left_u >= 0 { u } else { view.left }, w),
-                );
-            }
+            self.made.push(Node { root: *root, portal: number as u32, view: Some(seen) });
+        } else if (u.0 == 0 && w.0 == 0) || (u.1 == 0 && w.1 == 0) {
+            self.see(*root, portal, number);
         }
     }
 
-    /// Adds the whole `portal` as seen from `root`, with its ends at `u` and `w` from there.
-    fn see(&mut self, root: Root, portal: &Portal, u: Ray, w: Ray) {
-        self.see_between(root, portal, (u, w), (u, w));
+    /// Adds the whole `portal` as seen from `root`.
+    fn see(&mut self, root: Root, portal: &Portal, number: usize) {
+        let rays = (ray(root.at, portal.right.at), ray(root.at, portal.left.at));
+        self.see_between(root, (portal, number), rays);
     }
 
-    /// Adds what is seen of `portal`, with its ends at `u` and `w`, between the rays `right` and `left`.
+    /// Adds what is seen of `portal` between the rays `right` and `left`.
     fn see_between(
         &mut self,
         root: Root,
-        portal: &Portal,
-        (u, w): (Ray, Ray),
+        (portal, number): (&Portal, usize),
         (right, left): (Ray, Ray),
     ) {
+        let (u, w) = (ray(root.at, portal.right.at), ray(root.at, portal.left.at));
+        let portal_number = number as u32;
         if cross(u, w) != 0 {
             let (right_at_end, left_at_end) = (cross(right, u) == 0, cross(left, w) == 0);
             let view = Some(View { right, left, right_at_end, left_at_end });
-            self.made.push(Node { root, portal: *portal, view });
+            self.made.push(Node { root, portal: portal_number, view });
             return;
         }
         // In line with the portal: the way goes along it to its nearer end and turns there.
-        let square = |ray: Ray| ray.0 * ray.0 + ray.1 * ray.1;
-        let end = if square(u) <= square(w) { &portal.right } else { &portal.left };
+        let end = if dot(u, u) <= dot(w, w) { &portal.right } else { &portal.left };
         if end.at == root.at {
-            self.made.push(Node { root, portal: *portal, view: None });
-        } else if let Some(root) = end.is_corner.then(|| self.turn_at(&root, end)).flatten() {
-            self.made.push(Node { root, portal: *portal, view: None });
+            self.made.push(Node { root, portal: portal_number, view: None });
+        } else if let Some(root) = self.turn_at(&root, end) {
+            self.made.push(Node { root, portal: portal_number, view: None });
         }
     }
 
-    /// The corner at `end` as the next root, unless a shorter way to it is known.
+    /// The corner at `end` as the next root, unless there is none or a shorter way to it is known.
     fn turn_at(&mut self, root: &Root, end: &PortalEnd) -> Option<Root> {
+        if end.corner == NO_CORNER {
+            return None;
+        }
         let length = root.length + root.at.distance(end.at);
-        let known = &mut self.reached[end.vertex as usize];
+        let known = &mut self.reached[end.corner as usize];
         if known.query != self.query || length < known.length {
-            *known = Reached { length, parent: root.vertex, at: end.at, query: self.query };
+            *known = Reached { length, parent: root.corner, at: end.at, query: self.query };
         } else if length > known.length * (1.0 + EQUAL) {
             return None;
         }
-        Some(Root { at: end.at, vertex: end.vertex, length })
+        Some(Root { at: end.at, corner: end.corner, length })
     }
 
     /// Whether a shorter way to `root` was found since the node was made.
     fn is_outdone(&self, root: &Root) -> bool {
-        root.vertex != START
-            && root.length > self.reached[root.vertex as usize].length * (1.0 + EQUAL)
+        root.corner != START
+            && root.length > self.reached[root.corner as usize].length * (1.0 + EQUAL)
     }
 
-    /// Ends the way at `goal`, which lies in the piece that `node` enters.
-    fn arrive(&mut self, node: &Node, goal: LatticePoint, best: &mut Best) {
-        let ray = node.root.at.to(goal);
+    /// Ends the way at `goal`, which lies in the piece behind `portal` that `node` enters.
+    fn arrive(&mut self, node: &Node, portal: &Portal, goal: LatticePoint, best: &mut Best) {
+        let towards = ray(node.root.at, goal);
         let root = match &node.view {
-            Some(view) if cross(view.right, ray) < 0 => {
-                let end = &node.portal.right;
-                (view.right_at_end && end.is_corner)
-                    .then(|| self.turn_at(&node.root, end))
-                    .flatten()
+            Some(view) if cross(view.right, towards) < 0 => {
+                view.right_at_end.then(|| self.turn_at(&node.root, &portal.right)).flatten()
             }
-            Some(view) if cross(view.left, ray) > 0 => {
-                let end = &node.portal.left;
-                (view.left_at_end && end.is_corner).then(|| self.turn_at(&node.root, end)).flatten()
+            Some(view) if cross(view.left, towards) > 0 => {
+                view.left_at_end.then(|| self.turn_at(&node.root, &portal.left)).flatten()
             }
             _ => Some(node.root),
         };
         if let Some(root) = root {
             let length = root.length + root.at.distance(goal);
             if length < best.length {
-                *best = Best { length, root: root.vertex };
+                *best = Best { length, root: root.corner };
             }
         }
     }
 
     /// Puts the nodes made last into the queue, those that cannot beat `best` left out.
-    fn enqueue(&mut self, query: &Query, best: f64) {
+    fn enqueue(&mut self, mesh: &Mesh, query: &Query, best: f64) {
         for node in &self.made {
-            let cost = node.root.length + least_length(node, query.goal);
+            let cost = node.root.length
+                + least_length(node, mesh.portal(node.portal as usize), query.goal);
             if cost < best {
                 self.queue.push(Ranked { cost, index: self.nodes.len() });
                 self.nodes.push(*node);
@@ -335,8 +345,8 @@ fn straighten(points: &mut Vec<LatticePoint>) {
     let mut kept: Vec<LatticePoint> = Vec::with_capacity(points.len());
     for &point in points.iter() {
         while let [.., before, last] = kept[..] {
-            let (u, w) = (before.to(last), last.to(point));
-            if last != point && (cross(u, w) != 0 || u.0 * w.0 + u.1 * w.1 < 0) {
+            let (u, w) = (ray(before, last), ray(last, point));
+            if last != point && (cross(u, w) != 0 || dot(u, w) < 0) {
                 break;
             }
             kept.pop();
@@ -346,17 +356,47 @@ fn straighten(points: &mut Vec<LatticePoint>) {
     *points = kept;
 }
 
-/// The least length from the root through what the node sees to `goal`: a lower bound of the rest.
-fn least_length(node: &Node, goal: LatticePoint) -> f64 {
-    let float = |ray: Ray| (ray.0 as f64, ray.1 as f64);
+/// On which side of a view's rays the ends of a portal lie: the signs of cross products with the right
+/// and the left ray, positive to the left of the ray.
+struct Sides {
+    right_end: (i64, i64),
+    left_end: (i64, i64),
+}
+
+impl Sides {
+    fn of(root: LatticePoint, view: &View, portal: &Portal) -> Self {
+        let sides = |end: &PortalEnd| {
+            let towards = ray(root, end.at);
+            (cross(view.right, towards), cross(view.left, towards))
+        };
+        Self { right_end: sides(&portal.right), left_end: sides(&portal.left) }
+    }
+
+    /// Whether a part of the portal lies to the right of the right ray; `is_same_end` says that the
+    /// portal begins where that ray enters the piece.
+    fn right_of_right(&self, is_same_end: bool) -> bool {
+        self.right_end.0 < 0 || (is_same_end && self.left_end.0 < 0)
+    }
+
+    /// As [`Self::right_of_right`], mirrored.
+    fn left_of_left(&self, is_same_end: bool) -> bool {
+        self.left_end.1 > 0 || (is_same_end && self.right_end.1 > 0)
+    }
+}
+
+/// The least length from the root through what the node sees of `portal` to `goal`: a lower bound of
+/// the rest.
+fn least_length(node: &Node, portal: &Portal, goal: LatticePoint) -> f64 {
+    let float = |(x, y): Ray| (f64::from(x), f64::from(y));
+    let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
     let root = node.root.at;
-    let target = float(root.to(goal));
-    let Some(view) = &node.view else { return target.0.hypot(target.1) };
-    let (u, w) = (float(root.to(node.portal.right.at)), float(root.to(node.portal.left.at)));
+    let target = float(ray(root, goal));
+    let Some(view) = &node.view else { return norm(target.0, target.1) };
+    let (u, w) = (float(ray(root, portal.right.at)), float(ray(root, portal.left.at)));
     let along = (w.0 - u.0, w.1 - u.1);
+    // Seen from the portal's line, the root lies at −area and the goal at side.
     let area = along.0 * u.1 - along.1 * u.0;
     let side = along.0 * (target.1 - u.1) - along.1 * (target.0 - u.0);
-    // `area` and `side` are seen from the portal's line: the root lies at −area, the goal at side.
     let target = if side * area > 0.0 {
         target
     } else {
@@ -364,23 +404,17 @@ fn least_length(node: &Node, goal: LatticePoint) -> f64 {
         let scale = 2.0 * side / (along.0 * along.0 + along.1 * along.1);
         (target.0 + scale * along.1, target.1 - scale * along.0)
     };
-    let meet = |ray: Ray| {
-        let (x, y) = float(ray);
+    let meet = |(x, y): (f64, f64)| {
         let scale = area / (along.0 * y - along.1 * x);
         (x * scale, y * scale)
     };
-    let beyond = |ray: Ray| {
-        let (x, y) = float(ray);
-        x * target.1 - y * target.0
-    };
-    let by_way_of = |(x, y): (f64, f64)| {
-        (x * x + y * y).sqrt() + ((target.0 - x).powi(2) + (target.1 - y).powi(2)).sqrt()
-    };
-    if beyond(view.right) < 0.0 {
-        by_way_of(if view.right_at_end { u } else { meet(view.right) })
-    } else if beyond(view.left) > 0.0 {
-        by_way_of(if view.left_at_end { w } else { meet(view.left) })
+    let by_way_of = |(x, y): (f64, f64)| norm(x, y) + norm(target.0 - x, target.1 - y);
+    let (right, left) = (float(view.right), float(view.left));
+    if right.0 * target.1 - right.1 * target.0 < 0.0 {
+        by_way_of(if view.right_at_end { u } else { meet(right) })
+    } else if left.0 * target.1 - left.1 * target.0 > 0.0 {
+        by_way_of(if view.left_at_end { w } else { meet(left) })
     } else {
-        (target.0 * target.0 + target.1 * target.1).sqrt()
+        norm(target.0, target.1)
     }
 }
