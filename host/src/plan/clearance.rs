@@ -52,9 +52,12 @@ fn to_border(waypoints: &[Point], scene: &Scene) -> f64 {
 /// The least of `least` and the distances between the leg and the obstacles.
 fn nearest<'a>(leg: &[Point], obstacles: impl Iterator<Item = &'a Rect>, least: f64) -> f64 {
     let &[a, b] = leg else { return least };
-    obstacles.fold(least, |least, rect| {
-        if span_distance(a, b, rect) < least { least.min(leg_distance(a, b, rect)) } else { least }
-    })
+    // A negative distance, beyond the border, is not made less by an obstacle.
+    let bound = least.max(0.0);
+    let square = obstacles.fold(bound * bound, |square, rect| {
+        if span_square(a, b, rect) < square { square.min(leg_square(a, b, rect)) } else { square }
+    });
+    if square < bound * bound { square.sqrt() } else { least }
 }
 
 /// The lattice rectangle that reaches `reach` metres further than the leg on every side.
@@ -71,35 +74,43 @@ fn range(leg: &[Point], reach: f64) -> LatticeRect {
     )
 }
 
-/// A lower bound of the distance: that of the rectangle around the leg.
-fn span_distance(a: Point, b: Point, rect: &Rect) -> f64 {
+/// The square of a lower bound of the distance: that of the rectangle around the leg.
+fn span_square(a: Point, b: Point, rect: &Rect) -> f64 {
     let dx = (rect.x0 - a.x.max(b.x)).max(a.x.min(b.x) - rect.x1).max(0.0);
     let dy = (rect.y0 - a.y.max(b.y)).max(a.y.min(b.y) - rect.y1).max(0.0);
-    (dx * dx + dy * dy).sqrt()
+    dx * dx + dy * dy
 }
 
 /// The distance between a straight leg and a rectangle, metres.
 pub(super) fn leg_distance(a: Point, b: Point, rect: &Rect) -> f64 {
+    leg_square(a, b, rect).sqrt()
+}
+
+/// The square of the distance between a straight leg and a rectangle.
+fn leg_square(a: Point, b: Point, rect: &Rect) -> f64 {
     let corners = [(rect.x0, rect.y0), (rect.x1, rect.y0), (rect.x1, rect.y1), (rect.x0, rect.y1)]
         .map(|(x, y)| Point::new(x, y));
     let side = |c: &Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     let left = corners.iter().any(|c| side(c) >= 0.0);
     let right = corners.iter().any(|c| side(c) <= 0.0);
-    if left && right && span_distance(a, b, rect) == 0.0 {
+    if left && right && span_square(a, b, rect) == 0.0 {
         return 0.0;
     }
-    let from_ends = rect.distance(a).min(rect.distance(b));
+    let from_ends = span_square(a, a, rect).min(span_square(b, b, rect));
     corners.iter().map(|&corner| point_to_leg(corner, a, b)).fold(from_ends, f64::min)
 }
 
+/// The square of the distance between a point and a straight leg.
 fn point_to_leg(point: Point, a: Point, b: Point) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let square = dx * dx + dy * dy;
-    if square == 0.0 {
-        return point.distance(a);
-    }
-    let along = (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0);
-    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
+    let along = if square == 0.0 {
+        0.0
+    } else {
+        (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0)
+    };
+    let (x, y) = (a.x + along * dx - point.x, a.y + along * dy - point.y);
+    x * x + y * y
 }
 
 #[cfg(test)]

@@ -54,10 +54,21 @@ impl LegTest {
         if !(self.inside.contains(a) && self.inside.contains(b)) {
             return false;
         }
-        if self.near(spanned(a, b)).any(|grown| crosses(a, b, grown)) {
+        let span = spanned(a, b);
+        let mut stops = Vec::new();
+        let is_free = self.near(span).filter(|&grown| touch(span, grown)).all(|grown| {
+            let is_between =
+                |&c: &LatticePoint| c != a && c != b && span.contains(c) && turn(a, b, c) == 0;
+            stops.extend(grown.corners().into_iter().filter(is_between));
+            !crosses(a, b, grown)
+        });
+        if !is_free {
             return false;
         }
-        a == b || self.has_a_free_side(a, b)
+        // Only at its ends and where it passes a corner does an oblique leg touch anything.
+        a == b
+            || (stops.is_empty() && a.x != b.x && a.y != b.y)
+            || self.has_a_free_side(a, b, stops)
     }
 
     /// Whether the path over `points` is free, corners between its legs included; the index of the
@@ -80,17 +91,14 @@ impl LegTest {
     }
 
     /// Whether at every point between `a` and `b` the leg's left or its right side is free. Boxes
-    /// that it touches change only where one of their corners lies on the leg: it is enough to look
-    /// at those corners and halfway between them.
-    fn has_a_free_side(&self, a: LatticePoint, b: LatticePoint) -> bool {
-        let between = |c: &LatticePoint| {
-            turn(a, b, *c) == 0 && *c != a && *c != b && spanned(a, b).contains(*c)
-        };
-        let corners = self.near(spanned(a, b)).flat_map(|grown| grown.corners());
-        let mut stops: Vec<LatticePoint> = corners.filter(between).collect();
-        if stops.is_empty() && a.x != b.x && a.y != b.y {
-            return true;
-        }
+    /// that it touches change only at the `stops`, where one of their corners lies on the leg: it is
+    /// enough to look at those and halfway between them.
+    fn has_a_free_side(
+        &self,
+        a: LatticePoint,
+        b: LatticePoint,
+        mut stops: Vec<LatticePoint>,
+    ) -> bool {
         stops.extend([a, b]);
         stops.sort_unstable();
         stops.dedup();
@@ -123,11 +131,11 @@ impl LegTest {
         let at = |half: i64| (half.div_euclid(2) as i32, (half + 1).div_euclid(2) as i32);
         let ((x0, x1), (y0, y1)) = (at(point.0), at(point.1));
         let mut free = QUADRANTS.map(|towards| reaches_into(self.inside, point, towards));
-        for grown in self.near(LatticeRect::new(x0, y0, x1, y1)) {
+        self.near(LatticeRect::new(x0, y0, x1, y1)).for_each(|grown| {
             for (free, &towards) in free.iter_mut().zip(&QUADRANTS) {
                 *free &= !reaches_into(grown, point, towards);
             }
-        }
+        });
         free
     }
 }
@@ -169,6 +177,11 @@ pub(super) fn crosses(a: LatticePoint, b: LatticePoint, rect: LatticeRect) -> bo
     let sides = rect.corners().map(|corner| turn(a, b, corner));
     let on_one_side = sides.iter().all(|&side| side >= 0) || sides.iter().all(|&side| side <= 0);
     a == b || !on_one_side
+}
+
+/// Whether the two have a point in common.
+fn touch(a: LatticeRect, b: LatticeRect) -> bool {
+    a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1
 }
 
 fn spanned(a: LatticePoint, b: LatticePoint) -> LatticeRect {
