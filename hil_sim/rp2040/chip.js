@@ -121,7 +121,8 @@ export class Chip {
     while (this.nanos < end && !this.resetAsked) {
       if (this.idle()) {
         const alarm = clock.nextAlarm ? clock.nanosToNextAlarm : Infinity;
-        clock.tick(Math.max(0, Math.min(alarm, end - this.nanos)));
+        const stall = this.stalledUntil > this.nanos ? this.stalledUntil : Infinity;
+        clock.tick(Math.max(0, Math.min(alarm, end - this.nanos, stall - this.nanos)));
       } else {
         clock.tick(core.executeInstruction() * NANOS_PER_CYCLE);
       }
