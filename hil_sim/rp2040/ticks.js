@@ -1,4 +1,4 @@
-// The pin that is high while the control tick computes: when each tick began and what it cost.
+// The pin that is high while the control task works: when each tick began and what it cost.
 
 import { GPIOPinState } from 'rp2040js';
 import { f64, u32 } from './frames.js';

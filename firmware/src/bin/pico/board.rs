@@ -15,7 +15,7 @@
 //! | 15 | 11 | left encoder B | encoder's channel B |
 //! | 16 | 12 | right encoder A | encoder's channel A |
 //! | 17 | 13 | right encoder B | encoder's channel B |
-//! | 20 | 15 | tick | an oscilloscope: high while the control tick computes |
+//! | 20 | 15 | tick | an oscilloscope: high while the control task works |
 //! | – | 25 | LED | on the board: on while the firmware runs |
 //!
 //! A Pico and a Pico 2 have the same pins. If a wheel turns or counts the wrong way, change its
@@ -67,7 +67,7 @@ pub(crate) struct Base {
     pub(crate) motors: Motors,
     left: Encoder<0>,
     right: Encoder<1>,
-    /// High while the control tick computes.
+    /// High while the control task works.
     pub(crate) tick: Output<'static>,
 }
 

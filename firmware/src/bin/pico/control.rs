@@ -66,7 +66,6 @@ async fn control(mut base: Base, boot: Boot, mut watchdog: Watchdog) {
         let sensors = base.sense();
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
-        base.tick.set_low();
 
         link::UART.serve(&mut robot, Port::Uart);
         link::USB_SERIAL.serve(&mut robot, Port::Usb);
@@ -81,6 +80,7 @@ async fn control(mut base: Base, boot: Boot, mut watchdog: Watchdog) {
         if silent_ticks <= LINK_PATIENCE {
             watchdog.feed(WATCHDOG_TIMEOUT);
         }
+        base.tick.set_low();
     }
 }
 
