@@ -1,11 +1,14 @@
 //! A client in another language, written from the protocol's document, drives a leg through a
-//! pseudo-terminal.
+//! pseudo-terminal; and a cable that is pulled and plugged in again.
+//! `cargo run --release -p tests --example replug_figures` does that a thousand times.
 #![cfg(unix)]
 
 use hil_sim::pty::Pty;
 use hil_sim::realtime;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 use tests::link::ORIGIN;
+use tests::replug::replug;
 use tests::simulated_robot;
 
 /// Two encoder counts on each wheel.
@@ -32,4 +35,11 @@ fn a_client_in_python_drives_a_leg() {
     assert!(status.unwrap().success());
     let truth = simulation.truth().pose;
     assert!((truth.x - 0.3).hypot(truth.y - 0.2) < TOLERANCE, "{truth:?}");
+}
+
+#[test]
+fn a_robot_is_back_a_second_after_its_cable() {
+    let directory = tempfile::tempdir().unwrap();
+    let times = replug(&directory.path().join("robot"), 5);
+    assert!(times.iter().all(|time| *time <= Duration::from_secs(1)), "{times:?}");
 }

@@ -3,6 +3,7 @@
 //! Only on Unix. Elsewhere, and for clients on other computers, there is [`tcp`](crate::tcp).
 
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use std::fs::File;
@@ -30,6 +31,8 @@ impl Pty {
         let mut modes = tcgetattr(&end)?;
         modes.make_raw();
         tcsetattr(&end, OptionalActions::Now, &modes)?;
+        // A child process that inherited this end would keep the terminal alive.
+        fcntl_setfd(&end, FdFlags::CLOEXEC)?;
         fcntl_setfl(&end, fcntl_getfl(&end)? | OFlags::NONBLOCK)?;
         let name = ptsname(&end, Vec::new())?.into_string().map_err(|_| ErrorKind::InvalidData)?;
         let device = PathBuf::from(name);

@@ -43,6 +43,49 @@ fn the_drawing_of_the_robot_names_every_state() {
     }
 }
 
+/// What ends of any two versions must understand; these bytes never change.
+#[test]
+fn the_frozen_part_is_frozen() {
+    let header = Header { session: 0x0403_0201, sequence: Some(300), ack: 0x0605, ack_bits: 7 };
+    let host = HostHello { version: 1, schema: 2, nonce: 3 };
+    let robot = RobotHello {
+        version: 1,
+        schema: 2,
+        host_nonce: 3,
+        nonce: 4,
+        board: Board::Pico2,
+        firmware: [5, 6, 7],
+        git: 8,
+        limits: Limits {
+            speed: MetresPerSecond(0.0),
+            acceleration: MetresPerSecondSquared(0.0),
+            track: Metres(1.0),
+        },
+        max_legs: 9,
+        driven: Some(Driven { plan: 10, next: 11, end: 12 }),
+    };
+    let hello = [&[0, 1, 2, 3, 4, 1, 5, 6, 7, 8][..], &[0; 10], &[0x80, 0x3F, 9, 1, 10, 11, 12]];
+    let telemetry = Telemetry {
+        ticks: 1,
+        pose: Pose::new(0.0001, -0.0001, 0.0),
+        wheels: WheelSpeeds::default(),
+        state: State::Stopped,
+        leg: 2,
+    };
+    assert_eq!(bytes(&header), [1, 2, 3, 4, 1, 0xAC, 2, 5, 6, 7]);
+    assert_eq!(bytes(&Command::Hello(host)), [0, 1, 2, 3]);
+    assert_eq!(bytes(&Command::Heartbeat), [1]);
+    assert_eq!(bytes(&Command::Stop { number: 9 }), [2, 9]);
+    assert_eq!(bytes(&Command::Reboot(Reboot::Bootloader)), [3, 1]);
+    assert_eq!(bytes(&Report::Hello(robot)), hello.concat());
+    assert_eq!(bytes(&Report::Heartbeat { stop: 9 }), [1, 9]);
+    assert_eq!(bytes(&Report::Telemetry(telemetry)), [2, 1, 2, 1, 0, 0, 0, 0, 3, 2]);
+}
+
+fn bytes(message: &impl Serialize) -> Vec<u8> {
+    postcard::to_slice(message, &mut [0; MAX_FRAME]).unwrap().to_vec()
+}
+
 fn numbers() -> String {
     let mut text = String::from("\n| number | value |\n|---|---|\n");
     for (name, value) in [

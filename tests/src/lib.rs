@@ -5,6 +5,8 @@ pub mod elf_file;
 pub mod damage;
 pub mod fuzzing;
 pub mod link;
+#[cfg(unix)]
+pub mod replug;
 
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};

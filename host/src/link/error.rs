@@ -1,5 +1,7 @@
-//! Why a link cannot be used: what happened, with its values.
+//! Why a link cannot be used, and why a mission did not reach its goal: what happened, with its values.
 
+use protocol::message::{Fault, PlanRefusal};
+use protocol::motion::{Infeasible, Refusal};
 use std::io;
 use std::time::Duration;
 
@@ -46,4 +48,66 @@ pub enum LinkError {
 
 fn dotted([major, minor, patch]: &[u8; 3]) -> String {
     format!("{major}.{minor}.{patch}")
+}
+
+/// Why a mission did not reach its goal.
+#[derive(Debug, thiserror::Error)]
+pub enum MissionError {
+    /// The link failed.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The robot refused the plan, or the rest of it.
+    #[error("the robot refused the plan: {}", describe(.0))]
+    Refused(PlanRefusal),
+    /// The robot stopped by itself.
+    #[error("the robot stopped by itself: {}", match .0 { Fault::Stall => "a wheel is driven and does not turn" })]
+    Fault(Fault),
+    /// The robot was told to stop.
+    #[error("the robot was told to stop and has stopped")]
+    Stopped,
+    /// The rest of the plan was cancelled.
+    #[error("the plan was cancelled; it ended after {legs} legs")]
+    Cancelled {
+        /// The legs driven.
+        legs: u16,
+    },
+    /// The plan has more legs than can be numbered.
+    #[error("the plan has {legs} legs; a plan may have {most}")]
+    TooManyLegs {
+        /// The plan's.
+        legs: usize,
+        /// As many as there are numbers.
+        most: u16,
+    },
+}
+
+fn describe(refusal: &PlanRefusal) -> String {
+    match refusal {
+        PlanRefusal::NotAtRest => "it is still moving".into(),
+        PlanRefusal::NotCleared => "it was stopped and not cleared".into(),
+        PlanRefusal::NotOwner => "another link drives it".into(),
+        PlanRefusal::WrongProtocol => "its firmware speaks another protocol".into(),
+        PlanRefusal::Incomplete => "not all legs arrived as announced".into(),
+        PlanRefusal::TooManyLegs { room } => format!("it has room for {room} legs"),
+        PlanRefusal::Empty => "it has no legs".into(),
+        PlanRefusal::Start => "its start pose is not finite or beyond 100 m".into(),
+        PlanRefusal::OtherPlan => "it has another plan, or none".into(),
+        PlanRefusal::OutOfPlace { begun, end } => {
+            format!("it has legs up to {end}, and those before {} have begun", begun + 1)
+        }
+        PlanRefusal::Leg { index, refusal } => {
+            format!("leg {}: {}", index + 1, describe_leg(refusal))
+        }
+    }
+}
+
+fn describe_leg(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::NotSane => "a number is not finite or beyond 100 m".into(),
+        Refusal::TooLong => "an interval would take longer than 300 s".into(),
+        Refusal::TooShort(Infeasible { shortest }) => format!(
+            "its time is too short for the wheels; it needs --leg-time {:.2} or more",
+            shortest.0
+        ),
+    }
 }

@@ -10,8 +10,9 @@ pub mod clock;
 mod error;
 pub mod mission;
 pub mod port;
+pub mod reopening;
 
-pub use error::LinkError;
+pub use error::{LinkError, MissionError};
 
 use clock::RobotClock;
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
