@@ -3,6 +3,7 @@
 //! The wire is the adversary. Its choices for the first frames are tried out one and all; after them
 //! it is perfect, or dead. So every state that host and robot can reach together within those frames
 //! is reached, and none may last.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use hil_sim::wire::{Fate, Faults, Pace};
 use host::link::mission::{Mission, MissionError, MissionEvent};

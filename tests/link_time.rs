@@ -1,4 +1,5 @@
 //! How long the link takes: acknowledgements, stops, recovery after a loss, and noticing a reset.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use hil_sim::in_process::InProcess;
 use hil_sim::wire::{Fate, Faults, Pace, Wire};

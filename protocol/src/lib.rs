@@ -12,6 +12,6 @@ pub mod message;
 pub mod motion;
 pub mod schema;
 pub mod session;
-pub mod trigonometry;
 pub mod telemetry;
+pub mod trigonometry;
 pub mod units;

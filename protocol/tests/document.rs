@@ -1,6 +1,7 @@
 //! `PROTOCOL.md` says what the types say: its tables are drawn anew from them and compared.
 //!
 //! `UPDATE_GOLDEN=1 cargo test -p protocol --test document` rewrites them.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use protocol::frame::{Header, MAX_FRAME, encode};
 use protocol::message::*;

@@ -1,8 +1,8 @@
 //! End-to-end tests of wmr; this library holds what they share.
 #![allow(clippy::panic, reason = "a library of tests fails as tests do")]
 
-pub mod elf_file;
 pub mod damage;
+pub mod elf_file;
 pub mod fuzzing;
 pub mod link;
 #[cfg(unix)]
