@@ -129,7 +129,9 @@ impl Robot {
                 let _ = self.results.push_back(result);
             }
             Some(Event::PlanDone { plan, pose }) => {
-                let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
+                // A stop at the very end has made the controller forget the plan.
+                let driven = self.controller.queue().driven().or(self.driven);
+                let end = driven.map_or(0, |driven| driven.end);
                 self.plan_end = Some(Report::PlanDone { plan, end, pose });
             }
             None => {}

@@ -78,6 +78,8 @@ pub struct Mission {
     announced: usize,
     max_legs: usize,
     greeted: Option<u32>,
+    /// The robot has driven this plan, so its own word for where it stands holds.
+    knows_pose: bool,
     accepted: Option<u32>,
     accepted_end: u16,
     own_stop: u8,
@@ -110,6 +112,7 @@ impl Mission {
             commands: VecDeque::new(),
             max_legs: 0,
             greeted: None,
+            knows_pose: false,
             accepted: None,
             accepted_end: 0,
             own_stop: 0,
@@ -162,8 +165,13 @@ impl Mission {
         match self.phase {
             Phase::Greeting => self.greet(client, events)?,
             Phase::Halting => {
-                if client.telemetry().is_some_and(has_stopped) {
+                // Idle if somebody else has cleared it already.
+                let rests = |last: &&Telemetry| has_stopped(last) || last.state == State::Idle;
+                if let Some(telemetry) = client.telemetry().filter(rests) {
                     self.phase = Phase::Clearing;
+                    if self.knows_pose {
+                        self.progress.pose = telemetry.pose;
+                    }
                 }
             }
             Phase::Clearing => {
@@ -220,6 +228,11 @@ impl Mission {
         events.push(MissionEvent::Connected(robot));
         self.check_legs(&robot)?;
         self.max_legs = usize::from(robot.max_legs);
+        if let Some(driven) = driven {
+            self.knows_pose = true;
+            self.progress = Progress { next: driven.next, pose: telemetry.pose };
+            self.announced = usize::from(driven.next);
+        }
         self.phase = match (state, driven) {
             (State::Idle | State::Driving | State::Paused(_), Some(driven)) => {
                 self.take_up(driven, ticks);
@@ -249,7 +262,6 @@ impl Mission {
 
     /// Goes on with a plan that the robot still has.
     fn take_up(&mut self, driven: Driven, ticks: u32) {
-        self.progress.next = driven.next;
         self.announced = usize::from(driven.end);
         self.accepted_end = driven.end;
         self.accepted = Some(ticks);
