@@ -1,53 +1,60 @@
 //! The control tick: from encoder counts to motor duty.
 //!
 //! ```text
-//! counts ─► odometry ─► leg runner ─► tracker ─► kinematics ─► limits ─► wheel loops ─► duty
+//! counts ─► odometry ─► leg runner ─► tracker ─► speed limiter ─► wheel loops ─► duty
+//!    ▲          ▲           ▲ pace                    │ share          │ faults
+//! sensors    camera         └─────────────────────────┘                ▼
+//!    └─► battery, progress, lateness ─────────────────────────────►  state
 //! ```
-//! What the robot may do is a [`State`]; a pause, a stop and the host's silence slow the leg's own
-//! time down, so that the robot comes to rest *on its path* within the limits: while σ is the pace,
-//! v the planned rim speed and a its planned acceleration, dσ/dt = (±A - σ² a)/v.
+//! What the robot may do is a [`State`]. Every way to stop ends in one that says why:
+//!
+//! | what | how it stops | state |
+//! |---|---|---|
+//! | pause, silence of the host | on the path, within the limits | `Paused`, until resumed |
+//! | stop | on the path, within the limits | `Stopped`, until cleared |
+//! | empty battery | on the path, within the limits | `Faulted`, until recovered and cleared |
+//! | emergency stop, stall, encoder, no progress, late tick | drive cut in the same tick | `Faulted`, until cleared |
 
+use crate::battery::Battery;
 use crate::kinematics::BaseGeometry;
 use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
 use crate::odometry::Odometry;
+use crate::pace::Pace;
 use crate::parameters::Parameters;
+use crate::pose_history::PoseHistory;
+use crate::progress::Progress;
+use crate::signals::{Event, Outcome, Sensors};
+use crate::speed_limiter::Command;
 use crate::tracker;
 use crate::wheel_loop::WheelLoop;
-use protocol::message::{Fault, LegResult, PauseReason, Placement, PlanRefusal, State};
-use protocol::motion::{Leg, PHASES_PER_TICK, Pose, TICK, Twist, WheelSpeeds};
+use protocol::message::{
+    BatteryLevel, BatteryReport, Fault, PauseReason, Placement, PlanRefusal, PoseRefusal, State,
+};
+use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
+use protocol::parameters::ParameterRefusal;
 use protocol::units::{MetresPerSecond, RadiansPerSecond};
-
-/// A wheel that lags as far as it may for this long is blocked, ticks: with the lag's own 0.4 rad
-/// that is noticed within 300 ms at any but a creeping speed.
-const BLOCKED_TICKS: u32 = 20;
 
 /// After the last leg the robot holds its goal for this long, ticks, so that the wheels come to rest
 /// where they should.
 const SETTLE_TICKS: u32 = 60;
 
-/// Below this planned rim speed the pace may change as it likes: nothing moves, m/s.
-const CREEP: f32 = 0.005;
+/// The pace at which a weak battery drives: the motors then need well under its voltage.
+const DERATED_PACE: f32 = 0.6;
 
-/// What a tick brought to an end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// A leg.
-    LegDone(LegResult),
-    /// The whole plan; the robot rests.
-    PlanDone {
-        /// The plan driven.
-        plan: u32,
-        /// Where the robot believes it stands.
-        pose: Pose,
-    },
-}
+/// Control periods that may be missed on end; in 20 ms a robot at 0.4 m/s goes 8 mm unwatched.
+const LATEST_TICKS: u8 = 3;
 
 #[derive(Clone, Copy, Debug)]
 enum Activity {
     Resting,
     Leg(LegRunner),
-    Settling { goal: Pose, plan: u32, ticks: u32 },
+    /// Holds `goal`, then rests; `ended` is the plan that it completes, if none broke it off.
+    Settling {
+        goal: Pose,
+        ended: Option<u32>,
+        ticks: u32,
+    },
 }
 
 /// Odometry, legs, wheels and state of one robot.
@@ -57,11 +64,14 @@ pub struct Controller {
     queue: LegQueue,
     state: State,
     activity: Activity,
-    pace: f32,
+    pace: Pace,
     odometry: Odometry,
+    history: PoseHistory,
     counts: [i32; 2],
     wheels: [WheelLoop; 2],
-    commanded: WheelSpeeds,
+    command: Command,
+    battery: Battery,
+    progress: Progress,
     leg: u16,
 }
 
@@ -74,11 +84,14 @@ impl Controller {
             queue: LegQueue::default(),
             state: State::Idle,
             activity: Activity::Resting,
-            pace: 0.0,
+            pace: Pace::FULL,
             odometry: Odometry::new(Pose::default(), counts),
+            history: PoseHistory::default(),
             counts,
             wheels: counts.map(WheelLoop::new),
-            commanded: WheelSpeeds::default(),
+            command: Command::REST,
+            battery: Battery::default(),
+            progress: Progress::new(Pose::default()),
             leg: 0,
         }
     }
@@ -98,6 +111,15 @@ impl Controller {
         self.leg
     }
 
+    /// Where the robot should be now, while it drives.
+    pub fn reference(&self) -> Option<Pose> {
+        match &self.activity {
+            Activity::Resting => None,
+            Activity::Leg(runner) => Some(runner.reference()),
+            Activity::Settling { goal, .. } => Some(*goal),
+        }
+    }
+
     /// How fast the wheels turn, measured.
     pub fn wheel_speeds(&self) -> WheelSpeeds {
         let [left, right] =
@@ -105,9 +127,27 @@ impl Controller {
         WheelSpeeds { left: RadiansPerSecond(left), right: RadiansPerSecond(right) }
     }
 
+    /// How fast the wheels are commanded to turn, feedback included.
+    pub fn commanded_speeds(&self) -> WheelSpeeds {
+        self.command.wheels
+    }
+
     /// The numbers of this robot.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// Takes other numbers, at rest.
+    ///
+    /// # Errors
+    /// [`ParameterRefusal`]; then nothing has changed.
+    pub fn set_parameters(&mut self, parameters: Parameters) -> Result<(), ParameterRefusal> {
+        if !self.is_at_rest() {
+            return Err(ParameterRefusal::NotAtRest);
+        }
+        parameters.check()?;
+        self.parameters = parameters;
+        Ok(())
     }
 
     /// Whether nothing moves and nothing is to move.
@@ -139,15 +179,31 @@ impl Controller {
         let header = self.queue.commit(plan, &self.parameters.limits(), room)?;
         if let Placement::Start(pose) = header.placement {
             self.odometry = Odometry::new(pose, self.counts);
+            self.history.clear();
         }
         if self.is_at_rest() {
+            self.progress = Progress::new(self.odometry.pose());
             self.wheels = self.counts.map(WheelLoop::new);
             self.state = State::Driving;
-            self.pace = 1.0;
+            self.pace = Pace::FULL;
         }
         if !under_way && let Some(leg) = self.queue.next_leg() {
             self.begin(leg);
         }
+        Ok(())
+    }
+
+    /// Takes a camera's word for where the robot was `age` ticks ago; the estimate may jump, the
+    /// wheels follow within their limits.
+    ///
+    /// # Errors
+    /// [`PoseRefusal`]; then nothing has changed.
+    pub fn set_pose(&mut self, seen: Pose, age: u32) -> Result<(), PoseRefusal> {
+        if !seen.is_sane() {
+            return Err(PoseRefusal::NotSane);
+        }
+        let driven = self.history.at(age).ok_or(PoseRefusal::TooOld)?;
+        self.odometry.correct(seen, driven);
         Ok(())
     }
 
@@ -175,33 +231,44 @@ impl Controller {
         }
     }
 
-    /// Ends the effect of a stop or fault, once at rest.
+    /// Cuts the drive from this moment on, because of `fault`.
+    pub fn cut(&mut self, fault: Fault) {
+        self.state = State::Faulted(fault);
+        self.rest();
+    }
+
+    /// Ends the effect of a stop or fault, once at rest; an empty battery goes on to count.
     pub fn clear(&mut self) {
-        if self.is_at_rest() {
+        if self.is_at_rest() && self.battery.level() < BatteryLevel::Empty {
             self.state = State::Idle;
         }
     }
 
-    /// One tick of 5 ms: takes in the encoders' counts (left, right); gives the motors' duty
-    /// (left, right) in -1..=1, and what came to an end.
-    pub fn tick(&mut self, counts: [i32; 2]) -> ([f32; 2], Option<Event>) {
-        self.counts = counts;
-        self.odometry.update(counts, &self.parameters);
+    /// One tick of 5 ms: takes in what is measured, gives the motors' duty and what came to an end.
+    pub fn tick(&mut self, sensors: &Sensors) -> Outcome {
+        self.counts = sensors.counts;
+        self.odometry.update(sensors.counts, &self.parameters);
+        self.history.push(self.odometry.driven());
+        let battery = self.heed_battery(sensors.battery);
+        if sensors.missed_ticks > LATEST_TICKS && !self.is_at_rest() {
+            self.cut(Fault::TickOverrun);
+        }
         let event = self.advance();
-        let wanted = self.wanted_twist();
-        if self.is_at_rest() {
-            self.commanded = WheelSpeeds::default();
-            self.wheels = counts.map(WheelLoop::new);
-            return ([0.0, 0.0], event);
+        let duty = self.drive();
+        Outcome { duty, event, battery }
+    }
+
+    fn heed_battery(&mut self, volts: Option<f32>) -> Option<BatteryReport> {
+        let report = self.battery.update(volts?, &self.parameters.battery);
+        if self.battery.level() == BatteryLevel::Empty && !self.is_halted() {
+            self.state = State::Faulted(Fault::Battery);
         }
-        self.commanded = self.limited(wanted);
-        let duty = self.drive_wheels(counts);
-        if self.wheels.iter().any(|wheel| wheel.blocked_ticks() >= BLOCKED_TICKS) {
-            self.state = State::Faulted(Fault::Stall);
-            self.rest();
-            return ([0.0, 0.0], event);
-        }
-        (duty, event)
+        report
+    }
+
+    /// Whether the plan is broken off: the robot comes to rest on its path and forgets it.
+    fn is_halted(&self) -> bool {
+        matches!(self.state, State::Stopped | State::Faulted(_))
     }
 
     fn advance(&mut self) -> Option<Event> {
@@ -213,15 +280,18 @@ impl Controller {
                 *ticks -= 1;
                 None
             }
-            Activity::Settling { plan, .. } => {
-                let plan = *plan;
-                self.activity = Activity::Resting;
-                if self.state == State::Stopped {
-                    self.queue.clear();
+            // The wheels are being brought to rest within the limits.
+            Activity::Settling { .. } if self.command.wheels != Command::REST.wheels => None,
+            Activity::Settling { ended, .. } => {
+                let ended = *ended;
+                if self.is_halted() {
+                    self.rest();
                 } else {
+                    // What was driven is kept: a later batch may go on behind it.
                     self.state = State::Idle;
+                    self.activity = Activity::Resting;
                 }
-                Some(Event::PlanDone { plan, pose })
+                ended.map(|plan| Event::PlanDone { plan, pose })
             }
         }
     }
@@ -229,13 +299,13 @@ impl Controller {
     fn advance_leg(&mut self, pose: Pose) -> Option<Event> {
         let limits = self.parameters.limits();
         let Activity::Leg(mut runner) = self.activity else { return None };
-        self.update_pace(&runner);
-        let phases = (self.pace * PHASES_PER_TICK as f32) as u32;
-        if phases == 0 && self.state == State::Stopped {
-            self.rest();
-            return None;
-        }
+        let planned = runner.rim_motion(&limits);
+        self.pace = self.pace.towards(self.target_pace(), planned, limits.acceleration.0);
+        let phases = self.pace.phases(self.command.share);
         if phases == 0 {
+            if self.is_halted() {
+                self.settle(runner.reference(), None);
+            }
             return None;
         }
         let runs = runner.advance(phases, pose, &limits);
@@ -244,13 +314,21 @@ impl Controller {
             return None;
         }
         match self.queue.next_leg() {
-            Some(leg) if self.state != State::Stopped => self.begin(leg),
-            _ => {
-                let (goal, plan) = (runner.reference(), runner.leg().plan);
-                self.activity = Activity::Settling { goal, plan, ticks: SETTLE_TICKS };
+            Some(leg) if !self.is_halted() => self.begin(leg),
+            left => {
+                let ended = left.is_none().then_some(runner.leg().plan);
+                self.settle(runner.reference(), ended);
             }
         }
         Some(Event::LegDone(runner.result(pose)))
+    }
+
+    fn target_pace(&self) -> f32 {
+        match (self.state, self.battery.level()) {
+            (State::Driving, BatteryLevel::Good | BatteryLevel::Low) => 1.0,
+            (State::Driving, BatteryLevel::Weak | BatteryLevel::Empty) => DERATED_PACE,
+            _ => 0.0,
+        }
     }
 
     fn begin(&mut self, leg: Leg) {
@@ -259,71 +337,64 @@ impl Controller {
         self.activity = Activity::Leg(runner);
     }
 
+    fn settle(&mut self, goal: Pose, ended: Option<u32>) {
+        self.activity = Activity::Settling { goal, ended, ticks: SETTLE_TICKS };
+    }
+
     fn rest(&mut self) {
         self.queue.clear();
         self.activity = Activity::Resting;
-    }
-
-    fn update_pace(&mut self, runner: &LegRunner) {
-        let target = if self.state == State::Driving { 1.0 } else { 0.0 };
-        if self.pace == target {
-            return;
-        }
-        let (speed, acceleration) = runner.rim_motion(&self.parameters.limits());
-        if speed < CREEP {
-            self.pace = target;
-            return;
-        }
-        let limit = self.parameters.acceleration.0.copysign(target - self.pace);
-        let step = (limit - self.pace * self.pace * acceleration) / speed * TICK.0;
-        self.pace = if target > self.pace {
-            (self.pace + step.max(0.0)).min(target)
-        } else {
-            (self.pace + step.min(0.0)).max(target)
-        };
+        self.command = Command::REST;
     }
 
     fn wanted_twist(&self) -> Twist {
         let pose = self.odometry.pose();
         let gains = &self.parameters.tracker;
         match &self.activity {
-            Activity::Resting => Twist::default(),
+            Activity::Resting | Activity::Settling { ticks: 0, .. } => Twist::default(),
             Activity::Settling { goal, .. } => {
                 tracker::correct(Twist::default(), *goal, pose, gains)
             }
             Activity::Leg(runner) => {
-                let Twist { linear, angular } = runner.twist();
+                let (Twist { linear, angular }, pace) = (runner.twist(), self.pace.value());
                 let planned = Twist {
-                    linear: MetresPerSecond(linear.0 * self.pace),
-                    angular: RadiansPerSecond(angular.0 * self.pace),
+                    linear: MetresPerSecond(linear.0 * pace),
+                    angular: RadiansPerSecond(angular.0 * pace),
                 };
                 tracker::correct(planned, runner.reference(), pose, gains)
             }
         }
     }
 
-    /// Wheel speeds for `wanted` within the limits: both slowed alike where one would be too fast,
-    /// so that the curve stays; then each no further from the last tick's than A allows.
-    fn limited(&self, wanted: Twist) -> WheelSpeeds {
-        let BaseGeometry { wheel_radius, .. } = self.parameters.geometry;
-        let fastest = self.parameters.speed.0 / wheel_radius.0;
-        let change = self.parameters.acceleration.0 / wheel_radius.0 * TICK.0;
-        let WheelSpeeds { left, right } = self.parameters.geometry.wheel_speeds(wanted);
-        let scale = (fastest / left.0.abs().max(right.0.abs()).max(fastest)).min(1.0);
-        let step = |wanted: f32, last: f32| last + (wanted * scale - last).clamp(-change, change);
-        WheelSpeeds {
-            left: RadiansPerSecond(step(left.0, self.commanded.left.0)),
-            right: RadiansPerSecond(step(right.0, self.commanded.right.0)),
+    /// Brings the wheels to what is wanted of them, and watches that they go there.
+    fn drive(&mut self) -> [f32; 2] {
+        if self.is_at_rest() {
+            self.wheels = self.counts.map(WheelLoop::new);
+            return [0.0, 0.0];
         }
+        let geometry = BaseGeometry::from(&self.parameters);
+        let limits = self.parameters.limits();
+        self.command = self.command.towards(self.wanted_twist(), &geometry, &limits);
+        let duty = self.drive_wheels();
+        let commanded = geometry.twist(self.command.wheels);
+        let gets_on = self.progress.update(commanded, self.odometry.pose(), limits.track);
+        let fault = self.wheels.iter().find_map(WheelLoop::fault);
+        if let Some(fault) = fault.or((!gets_on).then_some(Fault::NoProgress)) {
+            self.cut(fault);
+            return [0.0, 0.0];
+        }
+        duty
     }
 
-    fn drive_wheels(&mut self, [left, right]: [i32; 2]) -> [f32; 2] {
+    fn drive_wheels(&mut self) -> [f32; 2] {
         let scale = self.parameters.radians_per_count();
         let gains = &self.parameters.wheel_loop;
+        let WheelSpeeds { left, right } = self.command.wheels;
         let [left_wheel, right_wheel] = &mut self.wheels;
+        let [left_count, right_count] = self.counts;
         [
-            left_wheel.tick(self.commanded.left.0, left, scale, gains),
-            right_wheel.tick(self.commanded.right.0, right, scale, gains),
+            left_wheel.tick(left.0, left_count, scale, gains),
+            right_wheel.tick(right.0, right_count, scale, gains),
         ]
     }
 }

@@ -11,6 +11,7 @@
 #![cfg_attr(not(test), no_std)]
 #![warn(clippy::indexing_slicing)]
 
+pub mod battery;
 pub mod chained_form;
 pub mod controller;
 pub mod cosine_switch;
@@ -20,7 +21,13 @@ pub mod leg_runner;
 mod link_end;
 pub mod math;
 pub mod odometry;
+pub mod pace;
+pub mod parameter_store;
 pub mod parameters;
+pub mod pose_history;
+pub mod progress;
 pub mod robot;
+pub mod signals;
+pub mod speed_limiter;
 pub mod tracker;
 pub mod wheel_loop;

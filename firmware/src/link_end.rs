@@ -10,6 +10,7 @@ use protocol::frame::{Decoder, Header, encode};
 use protocol::message::{
     Command, Driven, HostHello, PROTOCOL_VERSION, Report, RobotHello, Telemetry,
 };
+use protocol::motion::Limits;
 use protocol::schema::SCHEMA_HASH;
 use protocol::session::{Session, session_id};
 use protocol::units::Milliseconds;
@@ -58,6 +59,11 @@ impl LinkEnd {
         }
     }
 
+    /// What the wheels may do has changed; the next hello says so.
+    pub(crate) fn set_limits(&mut self, limits: Limits) {
+        self.hello.limits = limits;
+    }
+
     /// Takes one byte; what it completes and cannot wait for the reliable lane is returned at once.
     pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Heard> {
         let (header, command) = self.decoder.push::<Command>(byte)?.ok()?;
@@ -75,7 +81,8 @@ impl LinkEnd {
             None => {
                 // The host speaks of a session from before a restart: tell it. A stop counts anyway.
                 self.hello_due = true;
-                matches!(command, Command::Stop { .. }).then_some(Heard::Urgent(command))
+                matches!(command, Command::Stop { .. } | Command::EmergencyStop)
+                    .then_some(Heard::Urgent(command))
             }
         }
     }

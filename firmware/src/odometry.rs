@@ -3,7 +3,10 @@
 //! Between two ticks both wheels turn evenly, so the base runs along a circular arc: its chord has
 //! the direction of the heading half-way, and the length of the arc times sin(Δ/2)/(Δ/2). The
 //! heading itself is computed from whole counts since the last known pose, so it does not drift by
-//! rounding however long the robot drives.
+//! rounding however long the robot drives; only what unequal wheels add is a product of large counts.
+//!
+//! Odometry has a frame of its own, in which the pose never jumps. Where that frame lies in the arena
+//! is set when a plan begins, and again whenever a camera has seen the robot.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -19,17 +22,29 @@ use protocol::units::{Metres, Radians};
 /// The pose that the encoders tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odometry {
+    /// The odometry frame's origin in the arena.
+    frame: Pose,
+    /// Where the robot is in that frame.
+    driven: Pose,
+    /// Where it is in the arena: frame ∘ driven.
     pose: Pose,
-    /// The heading and right-minus-left counts when the pose was last set.
+    /// Heading and counts where the frame began.
     heading_origin: Radians,
-    spread_origin: i32,
+    counts_origin: [i32; 2],
     counts: [i32; 2],
 }
 
 impl Odometry {
     /// Begins at `pose` with the encoders at `counts` (left, right).
     pub fn new(pose: Pose, counts: [i32; 2]) -> Self {
-        Self { pose, heading_origin: pose.heading, spread_origin: spread(counts), counts }
+        Self {
+            frame: Pose::default(),
+            driven: pose,
+            pose,
+            heading_origin: pose.heading,
+            counts_origin: counts,
+            counts,
+        }
     }
 
     /// Where the robot is.
@@ -37,32 +52,70 @@ impl Odometry {
         self.pose
     }
 
+    /// Where the robot is in the frame of odometry alone, which no correction moves.
+    pub fn driven(&self) -> Pose {
+        self.driven
+    }
+
+    /// Moves the frame so that the robot was at `seen` when odometry had it at `driven`:
+    /// P ← P_cam ∘ (P_odo(t)⁻¹ ∘ P_odo(now)).
+    pub fn correct(&mut self, seen: Pose, driven: Pose) {
+        self.frame = seen.then(driven.inverse());
+        self.pose = self.frame.then(self.driven);
+    }
+
     /// Takes in the encoders' counts (left, right) of this tick; they may wrap around.
     pub fn update(&mut self, counts: [i32; 2], parameters: &Parameters) {
-        let BaseGeometry { wheel_radius, track } = parameters.geometry;
-        let metres_per_count = parameters.radians_per_count() * wheel_radius.0;
-        let [left, right] = counts;
-        let [old_left, old_right] = self.counts;
-        let (left, right) = (left.wrapping_sub(old_left), right.wrapping_sub(old_right));
+        let rims = Rims::new(parameters);
+        let heading = self.heading_origin.0 + rims.turn(since(counts, self.counts_origin));
+        let moved = since(counts, self.counts);
         self.counts = counts;
 
-        let turned = spread(counts).wrapping_sub(self.spread_origin);
-        let heading = self.heading_origin.0 + turned as f32 * (metres_per_count / track.0);
-        let s = (left + right) as f32 * (metres_per_count / 2.0);
-        let delta = (right - left) as f32 * (metres_per_count / track.0);
+        let (s, delta) = (rims.path(moved), rims.turn(moved));
         // sin(Δ/2)/(Δ/2) to fourth order; one tick turns by far less than 0.1 rad.
         let chord = s * (1.0 - delta * delta / 24.0);
         let (sin, cos) = sin_cos(heading - delta / 2.0);
-        self.pose = Pose {
-            x: Metres(self.pose.x.0 + chord * cos),
-            y: Metres(self.pose.y.0 + chord * sin),
+        self.driven = Pose {
+            x: Metres(self.driven.x.0 + chord * cos),
+            y: Metres(self.driven.y.0 + chord * sin),
             heading: Radians(heading).wrapped(),
         };
+        self.pose = self.frame.then(self.driven);
     }
 }
 
-fn spread([left, right]: [i32; 2]) -> i32 {
-    right.wrapping_sub(left)
+fn since([left, right]: [i32; 2], [old_left, old_right]: [i32; 2]) -> [i32; 2] {
+    [left.wrapping_sub(old_left), right.wrapping_sub(old_right)]
+}
+
+/// What the wheels' counts mean on the floor.
+struct Rims {
+    /// Travel of a rim a count: the mean of both wheels, and by how much the right one exceeds the left.
+    mean: f32,
+    excess: f32,
+    track: f32,
+}
+
+impl Rims {
+    fn new(parameters: &Parameters) -> Self {
+        let [left, right] = BaseGeometry::from(parameters).radii();
+        let radians = parameters.radians_per_count();
+        Self {
+            mean: (left.0 + right.0) / 2.0 * radians,
+            excess: (right.0 - left.0) * radians,
+            track: parameters.track.0,
+        }
+    }
+
+    fn path(&self, [left, right]: [i32; 2]) -> f32 {
+        let (sum, spread) = (left.wrapping_add(right) as f32, right.wrapping_sub(left) as f32);
+        self.mean * sum / 2.0 + self.excess * spread / 4.0
+    }
+
+    fn turn(&self, [left, right]: [i32; 2]) -> f32 {
+        let (sum, spread) = (left.wrapping_add(right) as f32, right.wrapping_sub(left) as f32);
+        (self.mean * spread + self.excess * sum / 2.0) / self.track
+    }
 }
 
 #[cfg(test)]
@@ -80,6 +133,22 @@ mod tests {
         }
         assert!((odometry.pose().heading.0 - FRAC_PI_2).abs() < 1e-3);
         assert_eq!(odometry.pose().x, Metres(0.0));
+    }
+
+    #[test]
+    fn what_was_driven_since_the_exposure_is_kept() {
+        let parameters = Parameters::default();
+        let mut odometry = Odometry::new(Pose::new(1.0, 1.0, 0.0), [0, 0]);
+        let exposure = odometry.driven();
+        odometry.update([100, 100], &parameters);
+        // The camera saw the robot 1 m further and looking along +y; since then it drove 100 counts.
+        odometry.correct(Pose::new(2.0, 1.0, FRAC_PI_2), exposure);
+        let way = 100.0 * parameters.radians_per_count() * 0.035;
+        let near =
+            |pose: Pose, y: f32| (pose.x.0 - 2.0).abs() < 1e-6 && (pose.y.0 - y).abs() < 1e-6;
+        assert!(near(odometry.pose(), 1.0 + way), "{:?}", odometry.pose());
+        odometry.update([200, 200], &parameters);
+        assert!(near(odometry.pose(), 1.0 + 2.0 * way), "{:?}", odometry.pose());
     }
 
     #[test]

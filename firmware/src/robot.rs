@@ -7,15 +7,20 @@
 //! It reads no clock, owns no pin, allocates nothing and never panics. The board, the simulator and
 //! the tests call the same three: [`Robot::receive`], [`Robot::tick`], [`Robot::transmit`].
 
-use crate::controller::{Controller, Event};
+use crate::controller::Controller;
 use crate::link_end::{Heard, LinkEnd};
+use crate::parameter_store::{ParameterStore, RECORD_SIZE, Step};
 use crate::parameters::Parameters;
+pub use crate::signals::Sensors;
+use crate::signals::{Event, Outcome};
 use heapless::Deque;
 use protocol::message::{
-    Board, Command, Driven, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal,
-    Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
+    Board, CameraPose, Command, Driven, Fault, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason,
+    PlanRefusal, PoseRefusal, Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State,
+    Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
+use protocol::parameters::ParameterRefusal;
 use protocol::schema::SCHEMA_HASH;
 use protocol::units::Milliseconds;
 
@@ -37,13 +42,6 @@ pub struct Boot {
     pub board: Board,
 }
 
-/// What the robot measures.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sensors {
-    /// The encoders' counts since the start, left and right; they may wrap around.
-    pub counts: [i32; 2],
-}
-
 /// What the robot does with its motors, and with itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuation {
@@ -51,6 +49,9 @@ pub struct Actuation {
     pub duty: [f32; 2],
     /// Restart now; only ever asked for at rest.
     pub reboot: Option<Reboot>,
+    /// Do this to the flash with [`Robot::parameter_record`], and then call
+    /// [`Robot::parameters_written`] with what the slot holds; only ever asked for at rest.
+    pub save: Option<[Step; 2]>,
 }
 
 /// Answers that wait for room in the session; no command is taken while they are this many.
@@ -68,7 +69,17 @@ pub struct Robot {
     plan_end: Option<Report>,
     driven: Option<Driven>,
     reboot: Option<Reboot>,
+    store: ParameterStore,
+    save: Save,
     ticks: u32,
+}
+
+/// A save on its way to the flash, which takes longer than a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Save {
+    None,
+    Asked,
+    UnderWay,
 }
 
 impl Robot {
@@ -96,8 +107,38 @@ impl Robot {
             plan_end: None,
             driven: None,
             reboot: None,
+            store: ParameterStore::read([&[], &[]]).0,
+            save: Save::None,
             ticks: 0,
         }
+    }
+
+    /// Takes the parameters that the flash holds in its two slots, if there are any; to be called
+    /// before the first tick.
+    pub fn restore(&mut self, slots: [&[u8]; 2]) {
+        let (store, parameters) = ParameterStore::read(slots);
+        self.store = store;
+        if let Some(parameters) = parameters {
+            // They were checked when they were read, and nothing moves yet.
+            let _ = self.take_parameters(parameters);
+        }
+    }
+
+    /// The record that [`Actuation::save`] is about.
+    pub fn parameter_record(&self) -> [u8; RECORD_SIZE] {
+        self.store.save(self.controller.parameters()).1
+    }
+
+    /// Takes in what the slot holds after a save, and tells the host.
+    pub fn parameters_written(&mut self, read_back: &[u8]) {
+        self.save = Save::None;
+        let report = if self.store.confirm(self.controller.parameters(), read_back) {
+            Report::ParametersSaved { sequence: self.store.sequence() }
+        } else {
+            Report::ParametersRefused(ParameterRefusal::NotStored)
+        };
+        self.report(report);
+        self.flush();
     }
 
     /// Takes bytes from a wire, in pieces of any length.
@@ -113,15 +154,19 @@ impl Robot {
         self.take_commands(port);
     }
 
-    /// One control tick; to be called every 5 ms.
+    /// One control tick; to be called every 5 ms. Where the board missed some, `sensors` says so and
+    /// the robot's clock makes up for them.
     pub fn tick(&mut self, sensors: &Sensors) -> Actuation {
-        self.ticks = self.ticks.wrapping_add(1);
+        self.ticks = self.ticks.wrapping_add(1 + u32::from(sensors.missed_ticks));
         let now = self.now();
         let silence = self.owner.and_then(|port| self.link(port).silence(now));
         if silence.is_none_or(|silence| silence > SILENCE_LIMIT_MILLISECONDS) {
             self.controller.pause(PauseReason::Silence);
         }
-        let (duty, event) = self.controller.tick(sensors.counts);
+        let Outcome { duty, event, battery } = self.controller.tick(sensors);
+        if let Some(battery) = battery {
+            self.report(Report::Battery(battery));
+        }
         match event {
             Some(Event::LegDone(result)) => {
                 self.controller.queue().finish_leg(result.index);
@@ -142,7 +187,7 @@ impl Robot {
             self.take_commands(port);
         }
         let reboot = if self.controller.is_at_rest() { self.reboot.take() } else { None };
-        Actuation { duty, reboot }
+        Actuation { duty, reboot, save: self.due_save() }
     }
 
     /// Writes the next frame for a wire into `out`; 0 if there is nothing to say now.
@@ -212,10 +257,19 @@ impl Robot {
         match command {
             Command::Hello(_) | Command::Heartbeat => {}
             Command::Stop { .. } => self.controller.stop(),
+            Command::EmergencyStop => self.controller.cut(Fault::EmergencyStop),
             _ if !self.link(port).same_protocol() && !matches!(command, Command::Reboot(_)) => {
                 self.refuse(port, command, PlanRefusal::WrongProtocol);
             }
+            Command::GetParameters => {
+                let parameters = Report::Parameters(*self.controller.parameters());
+                // `take_commands` has made sure of room.
+                let _ = self.link(port).report(parameters);
+            }
             _ if !self.may_move(port) => self.refuse(port, command, PlanRefusal::NotOwner),
+            Command::SetParameters(_) | Command::SaveParameters => {
+                self.change_parameters(port, command);
+            }
             Command::PlanBegin(header) => self.controller.queue().begin(header),
             Command::PlanLeg(leg) => self.controller.queue().collect(leg),
             Command::PlanCommit { plan } => self.commit(port, plan),
@@ -228,14 +282,20 @@ impl Robot {
             }
             Command::Clear { .. } => {}
             Command::Reboot(reboot) => self.request_reboot(reboot),
+            Command::SetPose(seen) => self.set_pose(port, seen),
         }
     }
 
     fn refuse(&mut self, port: Port, command: Command, reason: PlanRefusal) {
-        if let Command::PlanCommit { plan } = command {
-            // `take_commands` has made sure of room.
-            let _ = self.link(port).report(Report::PlanRefused { plan, reason });
-        }
+        let report = match command {
+            Command::PlanCommit { plan } => Report::PlanRefused { plan, reason },
+            Command::SetParameters(_) | Command::SaveParameters => {
+                Report::ParametersRefused(ParameterRefusal::NotOwner)
+            }
+            _ => return,
+        };
+        // `take_commands` has made sure of room.
+        let _ = self.link(port).report(report);
     }
 
     /// One link at a time owns motion; while the robot rests, any link may take it.
@@ -244,11 +304,7 @@ impl Robot {
     }
 
     fn commit(&mut self, port: Port, plan: u32) {
-        if self.owner != Some(port) {
-            // What the last owner has not heard by now, hello tells it.
-            self.forget_reports();
-            self.owner = Some(port);
-        }
+        self.own(port);
         let room = MAX_LEGS - self.results.len().min(MAX_LEGS);
         let report = match self.controller.commit(plan, room) {
             Ok(()) => {
@@ -257,9 +313,76 @@ impl Robot {
             }
             Err(reason) => Report::PlanRefused { plan, reason },
         };
-        // `take_commands` has made sure of room.
-        let _ = self.answers.push_back(report);
+        self.report(report);
         self.flush();
+    }
+
+    fn set_pose(&mut self, port: Port, CameraPose { ticks, pose }: CameraPose) {
+        let age = self.ticks.wrapping_sub(ticks);
+        // Half the range of a clock that wraps is the past, half the future.
+        let result = if age > u32::MAX / 2 {
+            Err(PoseRefusal::InFuture)
+        } else {
+            self.controller.set_pose(pose, age)
+        };
+        if let Err(reason) = result {
+            // Where there is no room, the next exposure brings the next chance.
+            let _ = self.link(port).report(Report::PoseRefused { ticks, reason });
+        }
+    }
+
+    fn due_save(&mut self) -> Option<[Step; 2]> {
+        if self.save != Save::Asked || !self.controller.is_at_rest() {
+            return None;
+        }
+        self.save = Save::UnderWay;
+        Some(self.store.save(self.controller.parameters()).0)
+    }
+
+    /// Whoever changes parameters owns the robot, which rests: the answers go there.
+    fn change_parameters(&mut self, port: Port, command: Command) {
+        self.own(port);
+        let result = match command {
+            _ if self.save != Save::None || !self.controller.is_at_rest() => {
+                Err(ParameterRefusal::NotAtRest)
+            }
+            Command::SetParameters(parameters) => self.take_parameters(parameters).map(Some),
+            _ => {
+                self.save = Save::Asked;
+                Ok(None)
+            }
+        };
+        match result {
+            Ok(Some(parameters)) => self.report(Report::Parameters(parameters)),
+            // Reported when the flash has taken them.
+            Ok(None) => {}
+            Err(refusal) => self.report(Report::ParametersRefused(refusal)),
+        }
+        self.flush();
+    }
+
+    fn take_parameters(&mut self, parameters: Parameters) -> Result<Parameters, ParameterRefusal> {
+        self.controller.set_parameters(parameters)?;
+        self.usb.set_limits(parameters.limits());
+        self.uart.set_limits(parameters.limits());
+        Ok(parameters)
+    }
+
+    /// Answers the owner. Before a command is taken there is room; what the robot says unasked is
+    /// dropped where the owner does not listen.
+    fn report(&mut self, report: Report) {
+        if self.owner.is_some() {
+            let _ = self.answers.push_back(report);
+        }
+    }
+
+    /// From now on `port` owns the robot.
+    fn own(&mut self, port: Port) {
+        if self.owner != Some(port) {
+            // What the last owner has not heard by now, hello tells it.
+            self.forget_reports();
+            self.owner = Some(port);
+        }
     }
 
     /// Hands over what there is to report as the session has room: answers, ends of legs in their

@@ -12,33 +12,15 @@
 //! | u1r, u2r | planned twist | m/s, rad/s |
 
 use protocol::motion::{Pose, Twist};
+use protocol::parameters::TrackerGains;
 use protocol::trigonometry::sin_cos;
 use protocol::units::{MetresPerSecond, Radians, RadiansPerSecond};
-
-/// How strongly deviations are corrected.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackerGains {
-    /// k_x, 1/s.
-    pub along: f32,
-    /// k_y, rad/m².
-    pub across: f32,
-    /// k_φ, 1/s.
-    pub heading: f32,
-}
-
-impl Default for TrackerGains {
-    /// Slower than the wheel loop's 30 rad/s by a factor of five, critically damped at 0.4 m/s:
-    /// s² + k_φ s + k_y u² with k_φ² = 4 k_y u².
-    fn default() -> Self {
-        Self { along: 6.0, across: 56.0, heading: 6.0 }
-    }
-}
 
 /// The twist that leads back to `reference` while moving along it with `planned`.
 ///
 /// ```
-/// use firmware::tracker::{TrackerGains, correct};
-/// use protocol::{motion::{Pose, Twist}, units::*};
+/// use firmware::tracker::correct;
+/// use protocol::{motion::{Pose, Twist}, parameters::TrackerGains, units::*};
 /// let planned = Twist { linear: MetresPerSecond(0.2), angular: RadiansPerSecond(0.0) };
 /// let reference = Pose::new(1.0, 0.0, 0.0);
 /// // 1 cm right of the path: turn left.

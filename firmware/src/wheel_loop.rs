@@ -5,6 +5,8 @@
 //! measurement, and at rest the wheel stands where it should. The angle is clamped, so a blocked
 //! wheel neither winds up nor jumps when it comes free.
 //!
+//! The loop also knows best whether its wheel does what it should: see [`WheelLoop::fault`].
+//!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | ω_ref, ω | wanted and measured speed of the wheel | rad/s |
@@ -12,36 +14,9 @@
 //! | ω0 | no-load speed at full duty | rad/s |
 //! | τ | time constant of the motor | s |
 
+use protocol::message::Fault;
 use protocol::motion::TICK;
-
-/// How the loop answers; the same for both wheels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelLoopGains {
-    /// ω0, rad/s.
-    pub no_load_speed: f32,
-    /// τ, s.
-    pub time_constant: f32,
-    /// The duty at which a resting wheel begins to turn.
-    pub breakaway_duty: f32,
-    /// k_v, duty per rad/s.
-    pub velocity_gain: f32,
-    /// k_i, duty per rad.
-    pub angle_gain: f32,
-}
-
-impl Default for WheelLoopGains {
-    /// For ω0 = 18 rad/s and τ = 60 ms: a closed loop of 30 rad/s, critically damped,
-    /// τ s² + (1 + ω0 k_v) s + ω0 k_i = τ (s + 30)².
-    fn default() -> Self {
-        Self {
-            no_load_speed: 18.0,
-            time_constant: 0.06,
-            breakaway_duty: 0.03,
-            velocity_gain: 0.144,
-            angle_gain: 3.0,
-        }
-    }
-}
+use protocol::parameters::WheelLoopGains;
 
 /// The lag at which the wheel counts as blocked, radians: 14 mm of a 35 mm wheel's rim.
 const LARGEST_LAG: f32 = 0.4;
@@ -52,6 +27,30 @@ const SPEED_TICKS: usize = 4;
 /// Wanted speeds below this are rest: friction is not compensated there, rad/s.
 const REST_SPEED: f32 = 0.02;
 
+/// Wheels wanted slower than this are not watched: a count is then 9 ms or more, rad/s.
+const SLOWEST_WATCHED: f32 = 0.5;
+
+/// A wheel slower than this share of what is wanted stands.
+const STANDING_SHARE: f32 = 0.2;
+
+/// A wheel that stands for this long is stalled, ticks; with the 20 ms of the speed measurement and
+/// a tick of delay the drive is cut 225 ms after the wheel stopped.
+const STALLED_TICKS: u32 = 40;
+
+/// A wheel that lags as far as it may for this long is stalled, even if it creeps, ticks.
+const LAGGING_TICKS: u32 = 20;
+
+/// A wheel that runs backwards faster than this, although driven forwards, has its encoder wired
+/// backwards, rad/s; more than any recoil.
+const BACKWARD_SPEED: f32 = 1.0;
+/// Below this duty the wheel may be rolling against its drive.
+const DRIVING_DUTY: f32 = 0.15;
+/// For how long it must, ticks.
+const BACKWARD_TICKS: u32 = 20;
+
+/// No motor turns a wheel by more than this many times its no-load speed, downhill included.
+const LARGEST_OVERSPEED: f32 = 2.0;
+
 /// What one wheel's loop remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelLoop {
@@ -59,13 +58,25 @@ pub struct WheelLoop {
     recent: [i32; SPEED_TICKS],
     lag: f32,
     wanted: f32,
-    blocked_ticks: u32,
+    lagging_ticks: u32,
+    standing_ticks: u32,
+    backward_ticks: u32,
+    leapt: bool,
 }
 
 impl WheelLoop {
     /// A resting wheel whose encoder stands at `count`.
     pub fn new(count: i32) -> Self {
-        Self { count, recent: [count; SPEED_TICKS], lag: 0.0, wanted: 0.0, blocked_ticks: 0 }
+        Self {
+            count,
+            recent: [count; SPEED_TICKS],
+            lag: 0.0,
+            wanted: 0.0,
+            lagging_ticks: 0,
+            standing_ticks: 0,
+            backward_ticks: 0,
+            leapt: false,
+        }
     }
 
     /// The wheel's measured speed, rad/s.
@@ -75,9 +86,15 @@ impl WheelLoop {
         counts as f32 * radians_per_count / (SPEED_TICKS as f32 * TICK.0)
     }
 
-    /// How many ticks on end the wheel has lagged as far as it may.
-    pub fn blocked_ticks(&self) -> u32 {
-        self.blocked_ticks
+    /// What is wrong with the wheel, if anything: it stalls, or its encoder tells the impossible.
+    pub fn fault(&self) -> Option<Fault> {
+        if self.leapt || self.backward_ticks >= BACKWARD_TICKS {
+            Some(Fault::Encoder)
+        } else if self.standing_ticks >= STALLED_TICKS || self.lagging_ticks >= LAGGING_TICKS {
+            Some(Fault::Stall)
+        } else {
+            None
+        }
     }
 
     /// One tick: the duty in -1..=1 for `wanted` rad/s, with the encoder at `count`.
@@ -97,15 +114,34 @@ impl WheelLoop {
         // The speed wanted until now was to be reached in this tick; half of each tick counts.
         self.lag += (wanted + self.wanted) / 2.0 * TICK.0 - moved;
         let lag = self.lag.clamp(-LARGEST_LAG, LARGEST_LAG);
-        self.blocked_ticks = if lag == self.lag { 0 } else { self.blocked_ticks + 1 };
+        self.lagging_ticks = counted(lag != self.lag, self.lagging_ticks);
         self.lag = lag;
+        // The largest leap is one of a tick, and a late tick may have seen the way of four.
+        self.leapt |= moved.abs() > 4.0 * LARGEST_OVERSPEED * gains.no_load_speed * TICK.0;
         let acceleration = (wanted - self.wanted) / TICK.0;
         self.wanted = wanted;
         let feed_forward = (wanted + gains.time_constant * acceleration) / gains.no_load_speed
             + friction(wanted, gains);
-        let error = wanted - self.speed(radians_per_count);
-        (feed_forward + gains.velocity_gain * error + gains.angle_gain * lag).clamp(-1.0, 1.0)
+        let speed = self.speed(radians_per_count);
+        let correction = gains.velocity_gain * (wanted - speed) + gains.angle_gain * lag;
+        let duty = (feed_forward + correction).clamp(-1.0, 1.0);
+        self.watch(speed, duty);
+        duty
     }
+
+    fn watch(&mut self, speed: f32, duty: f32) {
+        let (ahead, drive) = (speed * self.wanted.signum(), duty * self.wanted.signum());
+        let wanted = self.wanted.abs();
+        let stands = wanted > SLOWEST_WATCHED && ahead < STANDING_SHARE * wanted;
+        self.standing_ticks = counted(stands, self.standing_ticks);
+        let backward = ahead < -BACKWARD_SPEED && drive > DRIVING_DUTY;
+        self.backward_ticks = counted(backward, self.backward_ticks);
+    }
+}
+
+/// How many ticks on end something has been so.
+fn counted(so: bool, ticks: u32) -> u32 {
+    if so { ticks.saturating_add(1) } else { 0 }
 }
 
 fn friction(wanted: f32, gains: &WheelLoopGains) -> f32 {
@@ -147,13 +183,32 @@ mod tests {
         let (wheel, angle, wanted) = run(600, profile, false);
         // One encoder count.
         assert!((angle - wanted).abs() <= 1.5 * f64::from(RADIANS_PER_COUNT), "{angle} {wanted}");
-        assert_eq!(wheel.blocked_ticks(), 0);
+        assert_eq!(wheel.fault(), None);
     }
 
     #[test]
     fn a_blocked_wheel_is_noticed() {
-        let (wheel, _, _) = run(100, |_| 5.0, true);
-        // 0.4 rad at 5 rad/s: 16 ticks until the lag is full.
-        assert!(wheel.blocked_ticks() > 80);
+        // 0.4 rad at 5 rad/s: 16 ticks until the lag is full, and 20 more.
+        assert_eq!(run(34, |_| 5.0, true).0.fault(), None);
+        assert_eq!(run(38, |_| 5.0, true).0.fault(), Some(Fault::Stall));
+        // At 0.6 rad/s the lag fills in 0.7 s, but a standing wheel is seen in 45 ticks.
+        assert_eq!(run(45, |_| 0.6, true).0.fault(), Some(Fault::Stall));
+        assert_eq!(run(400, |_| 0.0, true).0.fault(), None);
+    }
+
+    #[test]
+    fn an_impossible_encoder_is_noticed() {
+        let gains = WheelLoopGains::default();
+        let mut leaping = WheelLoop::new(0);
+        leaping.tick(5.0, 8, RADIANS_PER_COUNT, &gains);
+        assert_eq!(leaping.fault(), None);
+        leaping.tick(5.0, 1000, RADIANS_PER_COUNT, &gains);
+        assert_eq!(leaping.fault(), Some(Fault::Encoder));
+        // Swapped wires: 5 rad/s forwards count as 5.7 counts a tick backwards.
+        let mut swapped = WheelLoop::new(0);
+        for tick in 1..=26 {
+            swapped.tick(5.0, -tick * 6, RADIANS_PER_COUNT, &gains);
+        }
+        assert_eq!(swapped.fault(), Some(Fault::Encoder));
     }
 }

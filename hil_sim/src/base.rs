@@ -58,6 +58,29 @@ impl BaseParameters {
     }
 }
 
+/// What goes wrong with a base while it drives; nothing by default. Left and right.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// The share of each rim's travel that slips: 0.2 moves the robot by 80 % of what the wheel turns.
+    pub slip: [f64; 2],
+    /// Wheels that something holds fast.
+    pub blocked: [bool; 2],
+    /// What each encoder does.
+    pub encoders: [EncoderFault; 2],
+}
+
+/// What an encoder may do instead of counting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EncoderFault {
+    /// Nothing: it counts.
+    #[default]
+    None,
+    /// Its wire is off: it stands still.
+    Stuck,
+    /// Its wires are swapped: it counts backwards.
+    Reversed,
+}
+
 /// A true pose: metres and radians in (-π, π].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TruePose {
@@ -76,6 +99,8 @@ pub struct WheeledBase {
     pose: TruePose,
     speeds: [f64; 2],
     angles: [f64; 2],
+    counted: [f64; 2],
+    faults: Faults,
 }
 
 /// The motors' equation is integrated in steps of this length, s: a hundredth of their time constant.
@@ -84,7 +109,14 @@ const STEP: f64 = 0.0005;
 impl WheeledBase {
     /// A resting base at `pose`.
     pub fn new(parameters: BaseParameters, pose: TruePose) -> Self {
-        Self { parameters, pose, speeds: [0.0; 2], angles: [0.0; 2] }
+        Self {
+            parameters,
+            pose,
+            speeds: [0.0; 2],
+            angles: [0.0; 2],
+            counted: [0.0; 2],
+            faults: Faults::default(),
+        }
     }
 
     /// Where the base really is.
@@ -97,10 +129,20 @@ impl WheeledBase {
         self.pose = pose;
     }
 
+    /// What goes wrong from now on.
+    pub fn set_faults(&mut self, faults: Faults) {
+        self.faults = faults;
+    }
+
+    /// How fast the wheels really turn, left and right, rad/s.
+    pub fn wheel_speeds(&self) -> [f64; 2] {
+        self.speeds
+    }
+
     /// The encoders' counts since the start, left and right.
     pub fn counts(&self) -> [i32; 2] {
         let per_radian = f64::from(self.parameters.counts_per_turn) / TAU;
-        let [left, right] = self.angles;
+        let [left, right] = self.counted;
         let [left_phase, right_phase] = self.parameters.encoder_phase;
         [
             (left * per_radian + left_phase).floor() as i32,
@@ -118,16 +160,22 @@ impl WheeledBase {
     /// ```
     pub fn step(&mut self, duty: [f64; 2], seconds: f64) {
         let steps = (seconds / STEP).round().max(1.0);
+        let h = seconds / steps;
+        let response = 1.0 - (-h / self.parameters.time_constant).exp();
         for _ in 0..steps as u32 {
-            self.step_once(duty, seconds / steps);
+            self.step_once(duty, h, response);
         }
     }
 
-    fn step_once(&mut self, duty: [f64; 2], h: f64) {
-        let BaseParameters { no_load_speed, time_constant, friction_duty, wheel_radius, .. } =
-            self.parameters;
+    fn step_once(&mut self, duty: [f64; 2], h: f64, response: f64) {
+        let BaseParameters { no_load_speed, friction_duty, wheel_radius, .. } = self.parameters;
+        let Faults { slip, blocked, encoders } = self.faults;
         let mut rolled = [0.0; 2];
         for wheel in 0..2 {
+            if blocked[wheel] {
+                self.speeds[wheel] = 0.0;
+                continue;
+            }
             let speed = &mut self.speeds[wheel];
             let drive = no_load_speed[wheel] * duty[wheel].clamp(-1.0, 1.0);
             let drag = no_load_speed[wheel] * friction_duty;
@@ -138,19 +186,21 @@ impl WheeledBase {
             } else {
                 drive - drag * speed.signum()
             };
-            *speed += (pull - *speed) * (1.0 - (-h / time_constant).exp());
+            *speed += (pull - *speed) * response;
             if before * *speed < 0.0 && drive.abs() <= drag {
                 *speed = 0.0;
             }
             let angle = (before + *speed) / 2.0 * h;
             self.angles[wheel] += angle;
-            rolled[wheel] = angle * wheel_radius[wheel];
+            self.counted[wheel] += encoders[wheel].counted(angle);
+            rolled[wheel] = angle * wheel_radius[wheel] * (1.0 - slip[wheel]);
         }
         self.roll(rolled);
     }
 
-    /// Both wheels roll on circles about the same centre, the left one `track` nearer to it.
-    fn roll(&mut self, [left, right]: [f64; 2]) {
+    /// Moves the base as wheels do whose rims roll by these lengths, left and right, m: both on
+    /// circles about the same centre, the left one `track` nearer to it.
+    pub fn roll(&mut self, [left, right]: [f64; 2]) {
         let turn = (right - left) / self.parameters.track;
         let pose = &mut self.pose;
         if turn.abs() < 1e-12 {
@@ -165,6 +215,16 @@ impl WheeledBase {
         pose.x = centre_x + radius * heading.sin();
         pose.y = centre_y - radius * heading.cos();
         pose.heading = heading - TAU * ((heading - PI) / TAU).ceil();
+    }
+}
+
+impl EncoderFault {
+    fn counted(self, angle: f64) -> f64 {
+        match self {
+            Self::None => angle,
+            Self::Stuck => 0.0,
+            Self::Reversed => -angle,
+        }
     }
 }
 
@@ -212,6 +272,21 @@ mod tests {
         let rest = base.pose();
         base.step([0.0, 0.0], 1.0);
         assert_eq!(base.pose(), rest);
+    }
+
+    #[test]
+    fn a_slipping_wheel_turns_the_base_and_a_blocked_one_stands() {
+        let mut base = WheeledBase::new(ideal(), TruePose::default());
+        base.set_faults(Faults { slip: [0.2, 0.0], ..Faults::default() });
+        base.step([0.5, 0.5], 1.0);
+        // The rims' difference over the track, with the encoders' agreement.
+        let rim = base.angles[0] * 0.035;
+        assert!((base.pose().heading - 0.2 * rim / 0.12).abs() < 1e-9);
+        assert_eq!(base.counts()[0], base.counts()[1]);
+        base.set_faults(Faults { blocked: [true, false], ..Faults::default() });
+        let before = base.counts();
+        base.step([0.5, 0.5], 0.5);
+        assert!(base.counts()[0] == before[0] && base.counts()[1] > before[1] + 500);
     }
 
     #[test]

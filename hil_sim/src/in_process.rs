@@ -1,12 +1,13 @@
 //! The firmware's logic in this process, without a board: [`Robot`] ticked every 5 ms.
 
 use crate::simulation::Brain;
+use firmware::parameter_store::Step;
 use firmware::parameters::Parameters;
 use firmware::robot::{Boot, Port, Robot, Sensors};
-use firmware::wheel_loop::WheelLoopGains;
 use protocol::frame::MAX_FRAME;
 use protocol::message::Board;
 use protocol::motion::TICK_MILLISECONDS;
+use protocol::parameters::WheelLoopGains;
 use protocol::units::MetresPerSecond;
 use std::collections::VecDeque;
 use std::io;
@@ -16,12 +17,43 @@ use std::time::Duration;
 #[derive(Debug)]
 pub struct InProcess {
     robot: Robot,
+    battery: Option<f32>,
+    flash: Flash,
 }
+
+/// What the robot's flash holds, for one that starts again: the two slots of its parameters.
+pub type Flash = [Vec<u8>; 2];
 
 impl InProcess {
     /// A robot with `parameters` that has just started; `nonce` tells this start from others.
     pub fn new(parameters: Parameters, nonce: u32) -> Self {
-        Self { robot: Robot::new(parameters, Boot { nonce, board: Board::Simulated }) }
+        Self::with_flash(parameters, nonce, Flash::default())
+    }
+
+    /// The same with what its flash holds from before.
+    pub fn with_flash(parameters: Parameters, nonce: u32, flash: Flash) -> Self {
+        let mut robot = Robot::new(parameters, Boot { nonce, board: Board::Simulated });
+        let [a, b] = &flash;
+        robot.restore([a, b]);
+        Self { robot, battery: None, flash }
+    }
+
+    /// What the flash holds.
+    pub fn flash(&self) -> &Flash {
+        &self.flash
+    }
+
+    fn save(&mut self, steps: [Step; 2]) {
+        let record = self.robot.parameter_record();
+        for step in steps {
+            match step {
+                Step::Erase(slot) => self.flash[slot as usize].clear(),
+                Step::Write(slot) => {
+                    self.flash[slot as usize] = record.to_vec();
+                    self.robot.parameters_written(&self.flash[slot as usize]);
+                }
+            }
+        }
     }
 
     /// The robot, to look at.
@@ -65,7 +97,11 @@ impl Brain for InProcess {
         sent: &mut VecDeque<u8>,
     ) -> io::Result<[f64; 2]> {
         self.robot.receive(Port::Usb, received);
-        let actuation = self.robot.tick(&Sensors { counts });
+        let sensors = Sensors { counts, battery: self.battery, ..Sensors::default() };
+        let actuation = self.robot.tick(&sensors);
+        if let Some(steps) = actuation.save {
+            self.save(steps);
+        }
         let mut frame = [0; MAX_FRAME];
         loop {
             let length = self.robot.transmit(Port::Usb, &mut frame);
@@ -75,5 +111,9 @@ impl Brain for InProcess {
             sent.extend(&frame[..length]);
         }
         Ok(actuation.duty.map(f64::from))
+    }
+
+    fn set_battery(&mut self, volts: f64) {
+        self.battery = Some(volts as f32);
     }
 }

@@ -30,6 +30,9 @@ pub trait Brain {
         counts: [i32; 2],
         sent: &mut VecDeque<u8>,
     ) -> io::Result<[f64; 2]>;
+
+    /// The battery's voltage from now on, for firmware whose board measures it, volts.
+    fn set_battery(&mut self, _volts: f64) {}
 }
 
 /// A simulated robot in a simulated arena.
@@ -89,6 +92,11 @@ impl<B: Brain> Simulation<B> {
     /// The firmware, for whoever means to disturb it.
     pub fn brain_mut(&mut self) -> &mut B {
         &mut self.brain
+    }
+
+    /// The base, for whoever meddles with it.
+    pub fn base_mut(&mut self) -> &mut WheeledBase {
+        &mut self.base
     }
 
     /// What really happened so far.

@@ -14,6 +14,16 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 /// CRC-32C: finds every error of up to 5 bits in a frame of this length.
 pub(crate) static CASTAGNOLI: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISCSI);
 
+/// CRC-32C of `bytes`, for all that this project checks.
+///
+/// ```
+/// // The check value of the CRC catalogue.
+/// assert_eq!(protocol::frame::checksum(b"123456789"), 0xE306_9283);
+/// ```
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CASTAGNOLI.checksum(bytes)
+}
+
 const CRC_SIZE: usize = 4;
 /// Header, message and CRC, before COBS.
 const MAX_CONTENT: usize = 120;

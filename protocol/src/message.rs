@@ -2,7 +2,7 @@
 //!
 //! | message | lane | why |
 //! |---|---|---|
-//! | `Hello`, `Heartbeat`, `Stop`, `Telemetry` | unreliable | the next one replaces it; a stop is repeated until the robot echoes it |
+//! | `Hello`, `Heartbeat`, `Stop`, `EmergencyStop`, `Telemetry` | unreliable | the next one replaces it; a stop is repeated until the robot echoes it |
 //! | all others | reliable | each arrives once, in order |
 //!
 //! Legs travel in batches: `PlanBegin`, the legs, `PlanCommit`. A batch counts as a whole or not at
@@ -15,6 +15,7 @@
 
 use crate::frame::CASTAGNOLI;
 use crate::motion::{Leg, Limits, Pose, Refusal};
+use crate::parameters::{ParameterRefusal, Parameters};
 pub use crate::telemetry::Telemetry;
 use serde::{Deserialize, Serialize};
 
@@ -68,6 +69,25 @@ pub enum Command {
         /// The number of the last stop that the host sent in this session, 0 for none.
         stop: u8,
     },
+    /// Cuts the drive at once, wherever the robot is, and faults until [`Clear`](Self::Clear).
+    EmergencyStop,
+    /// Says where a camera saw the robot; refused with [`Report::PoseRefused`].
+    SetPose(CameraPose),
+    /// Asks for the robot's numbers; answered by [`Report::Parameters`].
+    GetParameters,
+    /// Gives the robot other numbers, until it restarts; answered by [`Report::Parameters`].
+    SetParameters(Parameters),
+    /// Keeps the robot's numbers in flash; answered by [`Report::ParametersSaved`].
+    SaveParameters,
+}
+
+/// Where the robot was when a camera looked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraPose {
+    /// The robot's clock at the exposure, as in [`Telemetry::ticks`].
+    pub ticks: u32,
+    /// The pose seen.
+    pub pose: Pose,
 }
 
 /// How the host introduces itself.
@@ -171,6 +191,58 @@ pub enum Report {
         /// Where the robot believes it stands.
         pose: Pose,
     },
+    /// A camera's pose is of no use; the robot's own estimate stays.
+    PoseRefused {
+        /// The exposure that was named.
+        ticks: u32,
+        /// Why.
+        reason: PoseRefusal,
+    },
+    /// The battery has reached another level.
+    Battery(BatteryReport),
+    /// The numbers with which the robot now drives.
+    Parameters(Parameters),
+    /// Parameters were not taken or not kept; nothing has changed.
+    ParametersRefused(ParameterRefusal),
+    /// The numbers will be the same after a restart.
+    ParametersSaved {
+        /// How many times parameters have been saved.
+        sequence: u32,
+    },
+}
+
+/// Why a camera's pose is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PoseRefusal {
+    /// A number is not finite, or out of range.
+    NotSane,
+    /// The exposure is older than the poses that the robot remembers, 1 s, or than its plan.
+    TooOld,
+    /// The exposure has not happened yet.
+    InFuture,
+}
+
+/// The battery's voltage and what it means.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BatteryReport {
+    /// What it means.
+    pub level: BatteryLevel,
+    /// The filtered voltage, volts.
+    pub volts: f32,
+}
+
+/// What the battery's voltage means, from good to bad.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum BatteryLevel {
+    /// Nothing.
+    #[default]
+    Good,
+    /// It should soon be charged.
+    Low,
+    /// The robot drives more slowly.
+    Weak,
+    /// The robot stops on its path.
+    Empty,
 }
 
 /// How the robot introduces itself.
@@ -247,8 +319,32 @@ pub enum PauseReason {
 /// What a robot stops for by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
-    /// A wheel is driven hard and does not turn.
+    /// A wheel is driven and does not turn.
     Stall,
+    /// The wheels turn, but the robot does not get on.
+    NoProgress,
+    /// An encoder says what the motor cannot have done.
+    Encoder,
+    /// The battery is empty.
+    Battery,
+    /// The control loop was late, so nobody watched the wheels.
+    TickOverrun,
+    /// The host asked for it by [`Command::EmergencyStop`].
+    EmergencyStop,
+}
+
+impl Fault {
+    /// What has happened, as the end of "the robot stopped by itself: ...".
+    pub fn explanation(self) -> &'static str {
+        match self {
+            Self::Stall => "a wheel is driven and does not turn",
+            Self::NoProgress => "the wheels turn, but the robot does not get on",
+            Self::Encoder => "an encoder says what the motor cannot have done; check its wires",
+            Self::Battery => "the battery is empty",
+            Self::TickOverrun => "the control loop was late",
+            Self::EmergencyStop => "it was told to cut its drive at once",
+        }
+    }
 }
 
 /// Why a batch of legs is refused.

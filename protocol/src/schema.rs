@@ -58,6 +58,9 @@ mod tests {
         tracer.trace_type::<crate::message::PauseReason>(&samples).unwrap();
         tracer.trace_type::<crate::message::Fault>(&samples).unwrap();
         tracer.trace_type::<crate::message::PlanRefusal>(&samples).unwrap();
+        tracer.trace_type::<crate::message::PoseRefusal>(&samples).unwrap();
+        tracer.trace_type::<crate::message::BatteryLevel>(&samples).unwrap();
+        tracer.trace_type::<crate::parameters::ParameterRefusal>(&samples).unwrap();
         tracer.trace_type::<crate::motion::Refusal>(&samples).unwrap();
         tracer.trace_type::<crate::motion::Direction>(&samples).unwrap();
         tracer.trace_type::<crate::motion::Timing>(&samples).unwrap();

@@ -6,6 +6,7 @@
 use protocol::frame::{Header, MAX_FRAME, encode};
 use protocol::message::*;
 use protocol::motion::*;
+use protocol::parameters::{ParameterRefusal, Parameters};
 use protocol::schema::SCHEMA_HASH;
 use protocol::session::WINDOW;
 use protocol::units::*;
@@ -155,6 +156,10 @@ fn leg(plan: u32, index: u16, goal_heading: Option<Radians>, timing: Timing) -> 
 const POSE: Pose = Pose::new(1.0, 1.0, 1.0);
 const LONG: u32 = u32::MAX;
 
+fn parameters(calibration: u32) -> Parameters {
+    Parameters { calibration, ..Parameters::default() }
+}
+
 fn commands() -> Vec<Row<Command>> {
     let hello = |nonce| Command::Hello(HostHello { version: 2, schema: SCHEMA_HASH, nonce });
     let begin = |plan, number, placement| {
@@ -167,6 +172,8 @@ fn commands() -> Vec<Row<Command>> {
     let [cancel, cancels] = [1, LONG].map(|plan| Command::PlanCancel { plan });
     let [clear, clears] = [1, u8::MAX].map(|stop| Command::Clear { stop });
     let reboot = Command::Reboot(Reboot::Bootloader);
+    let seen = |ticks| Command::SetPose(CameraPose { ticks, pose: POSE });
+    let set = |calibration| Command::SetParameters(parameters(calibration));
     vec![
         (false, hello(1), hello(LONG)),
         (false, Command::Heartbeat, Command::Heartbeat),
@@ -183,6 +190,11 @@ fn commands() -> Vec<Row<Command>> {
         (true, Command::Pause, Command::Pause),
         (true, Command::Resume, Command::Resume),
         (true, clear, clears),
+        (false, Command::EmergencyStop, Command::EmergencyStop),
+        (true, seen(1), seen(LONG)),
+        (true, Command::GetParameters, Command::GetParameters),
+        (true, set(0), set(LONG)),
+        (true, Command::SaveParameters, Command::SaveParameters),
     ]
 }
 
@@ -219,6 +231,11 @@ fn reports() -> Vec<Row<Report>> {
     let too_short = Refusal::TooShort(Infeasible { shortest: Seconds(1.0) });
     let refused = PlanRefusal::Leg { index: u16::MAX, refusal: too_short };
     let [heard, heards] = [1, u8::MAX].map(|stop| Report::Heartbeat { stop });
+    let unseen = |ticks| Report::PoseRefused { ticks, reason: PoseRefusal::TooOld };
+    let battery = Report::Battery(BatteryReport { level: BatteryLevel::Low, volts: 7.0 });
+    let unset = Report::ParametersRefused(ParameterRefusal::NotAtRest);
+    let out_of_range = ParameterRefusal::OutOfRange { field: 1, value: 1.0 };
+    let saved = |sequence| Report::ParametersSaved { sequence };
     vec![
         (false, hello(1, 1, None), hello(LONG, u16::MAX, Some(driven))),
         (false, heard, heards),
@@ -244,5 +261,10 @@ fn reports() -> Vec<Row<Report>> {
             stopped(1, 1, State::Stopped),
             stopped(LONG, u16::MAX, State::Faulted(Fault::Stall)),
         ),
+        (true, unseen(1), unseen(LONG)),
+        (true, battery, battery),
+        (true, Report::Parameters(parameters(0)), Report::Parameters(parameters(LONG))),
+        (true, unset, Report::ParametersRefused(out_of_range)),
+        (true, saved(1), saved(LONG)),
     ]
 }

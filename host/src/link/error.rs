@@ -60,7 +60,7 @@ pub enum MissionError {
     #[error("the robot refused the plan: {}", describe(.0))]
     Refused(PlanRefusal),
     /// The robot stopped by itself.
-    #[error("the robot stopped by itself: {}", match .0 { Fault::Stall => "a wheel is driven and does not turn" })]
+    #[error("the robot stopped by itself: {}", .0.explanation())]
     Fault(Fault),
     /// The robot was told to stop.
     #[error("the robot was told to stop and has stopped")]

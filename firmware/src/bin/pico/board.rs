@@ -74,7 +74,8 @@ pub(crate) struct Base {
 impl Base {
     /// Reads both encoders.
     pub(crate) fn sense(&mut self) -> Sensors {
-        Sensors { counts: [self.left.counts(), self.right.counts()] }
+        let counts = [self.left.counts(), self.right.counts()];
+        Sensors { counts, ..Sensors::default() }
     }
 }
 

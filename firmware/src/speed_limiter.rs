@@ -1,0 +1,86 @@
+//! What of a wanted twist the wheels are commanded: never beyond V, never changing faster than A.
+//!
+//! Both wheels are slowed alike where one would be too fast, so that the curve stays; then each goes
+//! no further from the last tick's speed than A allows. Whatever asks, feedback included, asks here.
+
+use crate::kinematics::BaseGeometry;
+use protocol::motion::{Limits, TICK, Twist, WheelSpeeds};
+use protocol::units::{Metres, RadiansPerSecond};
+
+/// The speeds commanded, and how much of the wanted ones they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command {
+    /// For the wheel loops.
+    pub wheels: WheelSpeeds,
+    /// The share of the wanted speed that V leaves, 0..=1; a reference must wait by as much.
+    pub share: f32,
+}
+
+impl Command {
+    /// Nothing moves.
+    pub const REST: Self = Self {
+        wheels: WheelSpeeds { left: RadiansPerSecond(0.0), right: RadiansPerSecond(0.0) },
+        share: 1.0,
+    };
+
+    /// The next tick's command after this one, for `wanted`.
+    ///
+    /// ```
+    /// use firmware::{kinematics::BaseGeometry, parameters::Parameters, speed_limiter::Command};
+    /// use protocol::{motion::Twist, units::*};
+    /// let parameters = Parameters::default();
+    /// let wanted = Twist { linear: MetresPerSecond(0.8), angular: RadiansPerSecond(0.0) };
+    /// let next = Command::REST.towards(wanted, &(&parameters).into(), &parameters.limits());
+    /// // 0.8 m/s² for 5 ms on 35 mm, and half of the speed wanted.
+    /// assert!((next.wheels.left.0 - 0.8 * 0.005 / 0.035).abs() < 1e-6);
+    /// assert_eq!(next.share, 0.5);
+    /// ```
+    pub fn towards(&self, wanted: Twist, geometry: &BaseGeometry, limits: &Limits) -> Self {
+        let [left_radius, right_radius] = geometry.radii();
+        let WheelSpeeds { left, right } = geometry.wheel_speeds(wanted);
+        let fastest = (left.0 * left_radius.0).abs().max((right.0 * right_radius.0).abs());
+        let share = limits.speed.0 / fastest.max(limits.speed.0);
+        let step = |wanted: f32, last: f32, radius: Metres| {
+            let change = limits.acceleration.0 / radius.0 * TICK.0;
+            RadiansPerSecond(last + (wanted * share - last).clamp(-change, change))
+        };
+        let wheels = WheelSpeeds {
+            left: step(left.0, self.wheels.left.0, left_radius),
+            right: step(right.0, self.wheels.right.0, right_radius),
+        };
+        Self { wheels, share }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+    use proptest::prelude::*;
+    use protocol::units::MetresPerSecond;
+
+    proptest! {
+        #[test]
+        fn neither_limit_is_ever_passed(
+            wanted in prop::collection::vec((-2.0f32..2.0, -20.0f32..20.0), 1..200), ratio in 0.95f32..1.05,
+        ) {
+            let parameters = Parameters { wheel_ratio: ratio, ..Parameters::default() };
+            let (geometry, limits) = (BaseGeometry::from(&parameters), parameters.limits());
+            let [left_radius, right_radius] = geometry.radii();
+            let rims = |command: &Command| {
+                [command.wheels.left.0 * left_radius.0, command.wheels.right.0 * right_radius.0]
+            };
+            let mut command = Command::REST;
+            for (linear, angular) in wanted {
+                let twist = Twist { linear: MetresPerSecond(linear), angular: RadiansPerSecond(angular) };
+                let next = command.towards(twist, &geometry, &limits);
+                for (now, before) in rims(&next).into_iter().zip(rims(&command)) {
+                    // A few roundings of f32.
+                    prop_assert!(now.abs() <= 0.4 * (1.0 + 1e-5));
+                    prop_assert!((now - before).abs() <= 0.8 * 0.005 * (1.0 + 1e-4));
+                }
+                command = next;
+            }
+        }
+    }
+}
