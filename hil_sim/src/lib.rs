@@ -8,6 +8,7 @@
 pub mod base;
 pub mod emulator;
 pub mod in_process;
+pub mod lockstep;
 #[cfg(unix)]
 pub mod pty;
 pub mod realtime;

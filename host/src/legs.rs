@@ -148,7 +148,8 @@ impl Way {
     }
 }
 
-fn named(mut legs: Vec<Leg>) -> Vec<Leg> {
+/// `legs` under the name that their content gives them.
+pub(crate) fn named(mut legs: Vec<Leg>) -> Vec<Leg> {
     let plan = plan_digest(&legs);
     legs.iter_mut().for_each(|leg| leg.plan = plan);
     legs

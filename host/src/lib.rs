@@ -10,6 +10,7 @@
 //! Frames and units: the arena frame has its origin at the floor's lower-left corner as the picture
 //! shows it, x to the right, y up, headings counter-clockwise from +x in (-π, π]; lengths in metres.
 
+pub mod calibration;
 pub mod geometry;
 pub mod grid;
 pub mod legs;

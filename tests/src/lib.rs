@@ -3,10 +3,12 @@
 
 pub mod damage;
 pub mod elf_file;
+pub mod figures;
 pub mod fuzzing;
 pub mod link;
 #[cfg(unix)]
 pub mod replug;
+pub mod vehicles;
 
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};

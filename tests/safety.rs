@@ -1,0 +1,181 @@
+//! What stops the robot over the link, what a camera changes, and what it keeps in its flash.
+
+use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
+use hil_sim::in_process::{Flash, InProcess};
+use hil_sim::simulation::{Brain, Simulation};
+use host::geometry::Point;
+use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use host::link::LinkClient;
+use host::link::mission::{MissionError, MissionEvent};
+use protocol::message::{CameraPose, Command, Fault, Report, State};
+use protocol::motion::{Leg, Pose, Timing};
+use protocol::parameters::{ParameterRefusal, Parameters};
+use protocol::units::Metres;
+use std::time::Duration;
+use tests::{POLL, drive, simulated_robot};
+
+const START: Pose = Pose::new(0.0, 0.0, 0.0);
+
+type Client = LinkClient<Simulation<InProcess>>;
+
+fn two_metres() -> Vec<Leg> {
+    let way = [Point::new(0.0, 0.0), Point::new(2.0, 0.0)];
+    let options = LegOptions { timing: Timing::Limits, reverse: false };
+    to_legs(&way, 0.0, None, &options, &DEFAULT_LIMITS)
+}
+
+/// Drives 2 m and lets `meddle` act once after 2 s, in the cruise.
+fn drive_and(meddle: impl Fn(&mut Client)) -> (Result<Vec<MissionEvent>, MissionError>, Duration) {
+    let mut ended = Duration::ZERO;
+    let mut done = false;
+    let result = drive(simulated_robot(START, 1), two_metres(), START, 60, |client, _| {
+        ended = client.port_mut().now();
+        if ended >= Duration::from_secs(2) && !done {
+            done = true;
+            meddle(client);
+        }
+    });
+    (result.map(|(events, _)| events), ended)
+}
+
+fn speed(client: &mut Client) -> f64 {
+    let before = client.port_mut().truth().pose.x;
+    client.port_mut().wait(POLL).unwrap();
+    (client.port_mut().truth().pose.x - before) / POLL.as_secs_f64()
+}
+
+#[test]
+fn an_emergency_stop_cuts_the_drive_at_once() {
+    let (result, ended) = drive_and(|client| {
+        assert!(client.send(Command::EmergencyStop));
+    });
+    assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
+    // One poll to send it, a tick to obey, 20 ms until telemetry says so.
+    assert!(ended <= Duration::from_millis(2040), "{ended:?}");
+}
+
+#[test]
+fn a_blocked_wheel_is_a_fault_with_its_reason() {
+    let (result, ended) = drive_and(|client| {
+        let faults = Faults { blocked: [true, false], ..Faults::default() };
+        client.port_mut().base_mut().set_faults(faults);
+    });
+    assert!(matches!(result, Err(MissionError::Fault(Fault::Stall))), "{result:?}");
+    assert!(ended <= Duration::from_millis(2330), "{ended:?}");
+}
+
+#[test]
+fn wheels_that_spin_before_a_camera_make_no_progress() {
+    // Against a wall: all rim travel slips, and the camera says so ten times a second.
+    let mut stuck = None;
+    let result = drive(simulated_robot(START, 1), two_metres(), START, 60, |client, _| {
+        let now = client.port_mut().now();
+        if now < Duration::from_secs(2) {
+            return;
+        }
+        stuck.get_or_insert(now);
+        let faults = Faults { slip: [1.0; 2], ..Faults::default() };
+        client.port_mut().base_mut().set_faults(faults);
+        if now.as_millis() % 100 == 0 {
+            see(client);
+        }
+        assert!(now < Duration::from_millis(3300), "still driving");
+    });
+    assert!(matches!(result, Err(MissionError::Fault(Fault::NoProgress))), "{:?}", result.err());
+}
+
+/// Tells the robot where it really is now.
+fn see(client: &mut Client) {
+    let TruePose { x, y, heading } = client.port_mut().truth().pose;
+    let pose = Pose::new(x as f32, y as f32, heading as f32);
+    // The simulation ticks every 5 ms from the start, so its clock is the robot's.
+    let ticks = (client.port_mut().now().as_millis() / 5) as u32;
+    client.send(Command::SetPose(CameraPose { ticks, pose }));
+}
+
+#[test]
+fn a_camera_brings_a_misplaced_robot_to_its_goal() {
+    let mut simulation = simulated_robot(START, 3);
+    simulation.base_mut().place(TruePose { x: 0.03, y: -0.05, heading: 0.1 });
+    let (_, simulation) = drive(simulation, two_metres(), START, 60, |client, _| {
+        if client.port_mut().now().as_millis() % 100 == 0 {
+            see(client);
+        }
+    })
+    .unwrap();
+    let pose = simulation.truth().pose;
+    assert!((pose.x - 2.0).abs() < 0.002 && pose.y.abs() < 0.002, "{pose:?}");
+}
+
+#[test]
+fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
+    let (result, _) = drive_and(|client| {
+        assert!(speed(client) > 0.39);
+        client.port_mut().brain_mut().set_battery(6.6);
+        client.port_mut().wait(Duration::from_millis(100)).unwrap();
+        hear(client);
+        client.port_mut().wait(Duration::from_millis(250)).unwrap();
+        assert!((speed(client) - 0.24).abs() < 0.01, "{}", speed(client));
+        client.port_mut().brain_mut().set_battery(6.0);
+    });
+    assert!(matches!(result, Err(MissionError::Fault(Fault::Battery))), "{result:?}");
+}
+
+fn connected(flash: Flash) -> Client {
+    let base = WheeledBase::new(BaseParameters::seeded(1), TruePose::default());
+    let robot = InProcess::with_flash(Parameters::default(), 1, flash);
+    let mut client = LinkClient::new(Simulation::new(robot, base, None), 42);
+    while client.robot().is_none() {
+        hear(&mut client);
+    }
+    client
+}
+
+fn hear(client: &mut Client) -> Vec<Report> {
+    client.port_mut().wait(POLL).unwrap();
+    let now = client.port_mut().now();
+    client.poll(now).unwrap()
+}
+
+fn answer(client: &mut Client, command: Command) -> Report {
+    assert!(client.send(command));
+    (0..100).flat_map(|_| hear(client)).next().unwrap()
+}
+
+#[test]
+fn parameters_are_asked_for_set_and_kept_over_a_restart() {
+    let mut client = connected(Flash::default());
+    let Report::Parameters(mut parameters) = answer(&mut client, Command::GetParameters) else {
+        panic!("no parameters");
+    };
+    assert_eq!(parameters, Parameters::default());
+    parameters.track = Metres(0.1225);
+    assert_eq!(
+        answer(&mut client, Command::SetParameters(parameters)),
+        Report::Parameters(parameters)
+    );
+    let saved = answer(&mut client, Command::SaveParameters);
+    assert_eq!(saved, Report::ParametersSaved { sequence: 1 });
+    let flash = client.port_mut().brain_mut().flash().clone();
+    let mut client = connected(flash);
+    assert_eq!(client.robot().unwrap().limits.track, Metres(0.1225));
+    assert_eq!(answer(&mut client, Command::GetParameters), Report::Parameters(parameters));
+}
+
+#[test]
+fn parameters_that_make_no_sense_or_come_while_driving_are_refused() {
+    let mut client = connected(Flash::default());
+    let bad = Parameters { track: Metres(f32::NAN), ..Parameters::default() };
+    let refusal = answer(&mut client, Command::SetParameters(bad));
+    assert!(
+        matches!(refusal, Report::ParametersRefused(ParameterRefusal::OutOfRange { field: 2, .. })),
+        "{refusal:?}"
+    );
+    let (result, _) = drive_and(|client| {
+        client.send(Command::SetParameters(Parameters::default()));
+        client.send(Command::SaveParameters);
+        // The mission does not look at these answers; that it goes on is what counts.
+        assert!(matches!(client.telemetry().map(|t| t.state), Some(State::Driving)));
+    });
+    assert!(result.is_ok(), "{result:?}");
+}
