@@ -27,12 +27,18 @@ const ALMOST_SURROUNDED: usize = 6;
 /// ```
 pub fn close_traps(matrix: &mut MiniMatrix) -> Vec<Area> {
     let mut closed = Vec::new();
+    let mut candidates: Vec<Area> = matrix.areas().collect();
     loop {
-        let traps: Vec<Area> = matrix.areas().filter(|&area| is_trap(matrix, area)).collect();
+        let traps: Vec<Area> =
+            candidates.into_iter().filter(|&area| is_trap(matrix, area)).collect();
         if traps.is_empty() {
             return closed;
         }
         traps.iter().for_each(|&area| matrix.close(area));
+        // Only beside a closed area can anything have changed.
+        candidates = traps.iter().flat_map(|&area| matrix.around(area)).flatten().collect();
+        candidates.sort_unstable();
+        candidates.dedup();
         closed.extend(traps);
     }
 }

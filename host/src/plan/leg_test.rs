@@ -90,6 +90,12 @@ impl LegTest {
         Ok(())
     }
 
+    /// Whether a way can turn at `point`: it is free, and a box's corner stands there.
+    pub(super) fn is_turning_point(&self, point: LatticePoint) -> bool {
+        self.inside.contains(point)
+            && self.free_quadrants(doubled(point)).iter().filter(|&&free| free).count() == 3
+    }
+
     /// Whether at every point between `a` and `b` the leg's left or its right side is free. Boxes
     /// that it touches change only at the `stops`, where one of their corners lies on the leg: it is
     /// enough to look at those and halfway between them.

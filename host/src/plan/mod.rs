@@ -11,6 +11,7 @@
 
 mod box_index;
 mod clearance;
+mod cost;
 mod ends;
 mod error;
 mod exact;
@@ -25,6 +26,7 @@ mod shortest_path;
 mod tree;
 
 pub use clearance::clearance;
+pub use cost::{Cost, MotionLimits};
 pub use error::{Blocker, End, PlanError};
 pub use gap::{Gap, Side};
 pub use leg_test::LegTest;
@@ -68,6 +70,8 @@ pub struct PlanOptions {
     pub planner: Planner,
     /// Distance to keep beyond the robot's radius.
     pub margin: Margin,
+    /// What makes a way good; only the exact planner looks at anything but the length.
+    pub cost: Cost,
 }
 
 /// A way from start to goal that was tested to be free.

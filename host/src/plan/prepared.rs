@@ -1,6 +1,7 @@
 //! An arena prepared once for many queries.
 
 use super::clearance::clearance_by;
+use super::cost::best_way;
 use super::exact::Exact;
 use super::exit::exit_point;
 use super::gap::narrowest_gap;
@@ -81,7 +82,10 @@ impl<'a> PreparedArena<'a> {
         let no_path =
             || PlanError::NoPath { gap: narrowest_gap(self.scene, &self.options.margin, from, to) };
         let (points, grid) = match &mut self.method {
-            Method::Exact(exact) => (exact.shortest(from, to).ok_or_else(no_path)?, None),
+            Method::Exact(exact) => {
+                let shortest = exact.shortest(from, to).ok_or_else(no_path)?;
+                (best_way(self.options.cost, &self.arena, &self.test, shortest), None)
+            }
             Method::Paper { matrix, .. } => {
                 let grows_tree = self.options.planner == Planner::Tree;
                 let stages = grid_stages(&self.arena, &self.test, matrix, (from, to), grows_tree);

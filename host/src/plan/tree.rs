@@ -5,10 +5,11 @@
 //!
 //! Deviation: the number of simple paths grows exponentially with the areas (the paper's own scene
 //! has more than 100 000), so two things bound the tree. A branch takes no detour: it never enters an
-//! area that it could have entered from an earlier one than the last. And it has at most
+//! area that it could have entered from an earlier one than the last. And it stops growing at
 //! [`NODE_LIMIT`] nodes. It grows best first, in rounds: in the first every area is left by its
-//! shortest branch alone (this is Dijkstra's algorithm), in the second by its two shortest, then by
-//! four, and so on until nothing is left or the limit is reached. What was not followed is counted.
+//! shortest branch alone (this is Dijkstra's algorithm, and never cut short, so that a way is found if
+//! there is one), in the second by its two shortest, then by four, and so on until nothing is left or
+//! the limit is reached. What was not followed is counted.
 
 use super::local_path::exit_point;
 use super::ranked::Ranked;
@@ -16,7 +17,7 @@ use super::shortest_path::GlobalPath;
 use crate::grid::{Area, LatticePoint, MiniMatrix};
 use std::collections::BinaryHeap;
 
-/// A tree with this many nodes grows no more.
+/// A tree with this many nodes grows no more once it holds the shortest branch to every area.
 pub const NODE_LIMIT: usize = 20_000;
 
 /// A node of the tree: an area as the end of one branch.
@@ -88,7 +89,7 @@ pub fn global_paths(
     };
     let mut waiting = vec![Ranked { cost: 0.0, index: 0 }];
     let mut branches_per_area = 1;
-    while !waiting.is_empty() && growth.tree.nodes.len() < limit {
+    while !waiting.is_empty() && (branches_per_area == 1 || growth.tree.nodes.len() < limit) {
         waiting = growth.round(waiting, branches_per_area);
         branches_per_area *= 2;
     }
@@ -116,7 +117,9 @@ impl Growth<'_> {
             let area = self.tree.nodes[branch.index].area;
             if area == self.goal.0 {
                 self.tree.arrivals.push(branch.index);
-            } else if self.left[area.index()] == per_area || self.tree.nodes.len() >= self.limit {
+            } else if self.left[area.index()] == per_area
+                || (per_area > 1 && self.tree.nodes.len() >= self.limit)
+            {
                 postponed.push(branch);
             } else {
                 self.left[area.index()] += 1;
