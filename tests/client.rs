@@ -37,9 +37,12 @@ fn a_client_in_python_drives_a_leg() {
     assert!((truth.x - 0.3).hypot(truth.y - 0.2) < TOLERANCE, "{truth:?}");
 }
 
+/// A machine that does much else at once may be slow; how quick it is, `replug_figures` measures.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 #[test]
-fn a_robot_is_back_a_second_after_its_cable() {
+fn a_robot_is_back_after_its_cable_was_pulled() {
     let directory = tempfile::tempdir().unwrap();
     let times = replug(&directory.path().join("robot"), 5);
-    assert!(times.iter().all(|time| *time <= Duration::from_secs(1)), "{times:?}");
+    assert!(times.len() == 5 && times.iter().all(|time| *time <= PATIENCE), "{times:?}");
 }

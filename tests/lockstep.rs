@@ -1,4 +1,5 @@
 //! Somebody else's physics in the base's place.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;

@@ -1,4 +1,5 @@
 //! What stops the robot over the link, what a camera changes, and what it keeps in its flash.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};

@@ -1,5 +1,10 @@
 //! End-to-end tests of wmr; this library holds what they share.
-#![allow(clippy::panic, reason = "a library of tests fails as tests do")]
+#![allow(
+    clippy::panic,
+    clippy::expect_used,
+    clippy::unwrap_used,
+    reason = "a library of tests fails as tests do"
+)]
 
 pub mod damage;
 pub mod elf_file;

@@ -126,6 +126,9 @@ pub(crate) struct WayArgs {
     /// How the way is looked for.
     #[arg(long, value_enum, default_value_t = PlannerName::Exact)]
     pub(crate) planner: PlannerName,
+    /// What makes a way good; only the exact planner looks at anything but the length.
+    #[arg(long, value_enum, default_value_t = CostName::Length)]
+    pub(crate) cost: CostName,
     /// Side of a cell of a Moving AI map.
     #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
     pub(crate) resolution: f64,
@@ -133,7 +136,7 @@ pub(crate) struct WayArgs {
     #[arg(long, value_enum, default_value_t = TimingName::Limits)]
     pub(crate) timing: TimingName,
     /// With --timing paper: how long each leg takes, seconds.
-    #[arg(long, value_parser = quantity::seconds, default_value = "9", value_name = "SECONDS")]
+    #[arg(long, value_parser = quantity::leg_time, default_value = "9", value_name = "SECONDS")]
     pub(crate) leg_time: f64,
     /// Never drive backwards; with --timing paper it never does.
     #[arg(long)]
@@ -148,6 +151,16 @@ pub(crate) enum PlannerName {
     Grid,
     /// The paper's tree of all global paths.
     Tree,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CostName {
+    /// The shortest way.
+    Length,
+    /// The quickest way within the wheels' limits.
+    Time,
+    /// The way with the fewest turns.
+    Turns,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

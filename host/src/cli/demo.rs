@@ -1,6 +1,6 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
-use super::args::{DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
+use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
 use super::drive::{arrived, describe_run, drive_way};
 use super::error::CliError;
 use super::folder::Folder;
@@ -28,6 +28,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         goal: Some(Goal { position: GOAL, heading: None }),
         radius: None,
         margin: None,
+        cost: CostName::Length,
         resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,

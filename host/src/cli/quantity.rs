@@ -28,11 +28,16 @@ pub(crate) fn angle(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("{text:?} is no angle; write 90, 90deg or 1.57rad"))
 }
 
-/// A duration in seconds, above 0.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
-    let value = scaled(text, &[("s", 1.0)], 1.0).filter(|value| *value > 0.0);
-    value
-        .ok_or_else(|| format!("{text:?} is no duration; write seconds above 0, such as 9 or 4.5s"))
+/// The longest that a robot accepts for one leg, seconds.
+const LONGEST_LEG: f64 = 900.0;
+
+/// How long a leg takes, seconds: above 0 and at most [`LONGEST_LEG`].
+pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
+    let value = scaled(text, &[("s", 1.0)], 1.0);
+    let value = value.filter(|value| *value > 0.0 && *value <= LONGEST_LEG);
+    value.ok_or_else(|| {
+        format!("{text:?} is no time for a leg; write seconds above 0 and up to {LONGEST_LEG}")
+    })
 }
 
 /// An arena's size from `1.6x2.0` or `160cmx200cm`.
@@ -106,7 +111,7 @@ mod tests {
             assert!(place(&format!("{text},1")).is_err(), "{text}");
         }
         assert!(arena("0x1").is_err() && arena("-1x1").is_err() && arena("1").is_err());
-        assert!(seconds("0").is_err() && distance("-1").is_err());
+        assert!(leg_time("0").is_err() && leg_time("1e9").is_err() && distance("-1").is_err());
         assert!(corners("0,1 2,3 4,5").is_err());
     }
 }

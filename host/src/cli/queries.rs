@@ -3,7 +3,7 @@
 use super::args::WayArgs;
 use super::error::CliError;
 use super::input::Input;
-use super::way::{microseconds, planner, with_radius};
+use super::way::{cost, microseconds, planner, with_radius};
 use host::grid::Margin;
 use host::plan::{PlanOptions, PreparedArena};
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
     };
     let scene = with_radius(scene, args.radius);
     let margin = Margin::uniform(args.margin.unwrap_or(0.0));
-    let options = PlanOptions { planner: planner(args.planner), margin };
+    let options = PlanOptions { planner: planner(args.planner), margin, cost: cost(args.cost) };
     let began = Instant::now();
     let mut arena = PreparedArena::new(&scene, &options)?;
     let build = microseconds(began);

@@ -1,13 +1,13 @@
 //! From an input to a way through its arena: ends, margins, planner, legs.
 
-use super::args::{PlannerName, TimingName, WayArgs};
+use super::args::{CostName, PlannerName, TimingName, WayArgs};
 use super::error::{CliError, Exit};
 use super::input::Input;
 use super::output::Output;
 use host::geometry::Pose;
 use host::grid::Margin;
 use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::plan::{Plan, PlanError, PlanOptions, Planner, PreparedArena};
+use host::plan::{Cost, MotionLimits, Plan, PlanError, PlanOptions, Planner, PreparedArena};
 use host::plan_file::{PlanFile, PlanTiming};
 use host::scene::{Goal, Scene};
 use protocol::motion::{Limits, Timing};
@@ -98,6 +98,7 @@ fn plan_way(
     let options = |uniform| PlanOptions {
         planner,
         margin: Margin { uniform, per_obstacle: margins.to_vec() },
+        cost: cost(args.cost),
     };
     let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)?;
     if tried.first() != Some(&margin) {
@@ -189,6 +190,19 @@ pub(crate) fn planner(name: PlannerName) -> Planner {
         PlannerName::Exact => Planner::Exact,
         PlannerName::Grid => Planner::Grid,
         PlannerName::Tree => Planner::Tree,
+    }
+}
+
+/// What makes a way good, by its name.
+pub(crate) fn cost(name: CostName) -> Cost {
+    match name {
+        CostName::Length => Cost::Length,
+        CostName::Time => Cost::Time(MotionLimits {
+            speed: DEFAULT_LIMITS.speed.0.into(),
+            acceleration: DEFAULT_LIMITS.acceleration.0.into(),
+            track: DEFAULT_LIMITS.track.0.into(),
+        }),
+        CostName::Turns => Cost::Turns,
     }
 }
 

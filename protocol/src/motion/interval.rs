@@ -118,6 +118,11 @@ impl Leg {
         if !(self.start.is_sane() && self.goal.is_sane() && heading_sane) {
             return Err(Refusal::NotSane);
         }
+        // Before anything is computed with it: its phases might not fit their number.
+        if matches!(self.timing, Timing::Paper { interval_ticks } if interval_ticks > LONGEST_INTERVAL_TICKS)
+        {
+            return Err(Refusal::TooLong);
+        }
         let intervals = self.intervals(limits);
         if intervals.iter().any(|motion| motion.profile.ticks() > LONGEST_INTERVAL_TICKS) {
             return Err(Refusal::TooLong);
@@ -310,7 +315,7 @@ mod tests {
         assert_eq!(bad.check(&LIMITS), Err(Refusal::NotSane));
         bad = leg(Pose::default(), (1000.0, 0.0), None, Timing::Limits);
         assert_eq!(bad.check(&LIMITS), Err(Refusal::NotSane));
-        bad = leg(Pose::default(), (1.0, 0.0), None, Timing::Paper { interval_ticks: 100_000 });
+        bad = leg(Pose::default(), (1.0, 0.0), None, Timing::Paper { interval_ticks: u32::MAX });
         assert_eq!(bad.check(&LIMITS), Err(Refusal::TooLong));
     }
 
