@@ -19,6 +19,8 @@ const CORNER_SHARE: f64 = 0.02;
 const SAMPLE_STEP: f64 = 0.4;
 /// How far the radial coefficient usually lies from 0.
 const RADIAL_SPREAD: f64 = 0.06;
+/// Keeps a side that shows no steps where it was; an observed step weighs a thousand times as much.
+const DAMPING: f64 = 0.01;
 /// An observed step is good to this, pixels.
 const STEP_NOISE: f64 = 0.4;
 
@@ -172,7 +174,7 @@ fn gauss_newton(
         change[parameter] = NUDGE;
         nudged.push(with(&change)?);
     }
-    let mut normal = SMatrix::<f64, 9, 9>::identity() * 1e-6;
+    let mut normal = SMatrix::<f64, 9, 9>::identity() * DAMPING;
     let mut right = SVector::<f64, 9>::zeros();
     for step in steps {
         let now = distance(map, arena, step);

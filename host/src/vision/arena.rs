@@ -15,8 +15,8 @@ const LEAST_CONTRAST: f64 = 8.0;
 const LEAST_LIGHT: u8 = 25;
 /// The share of the border's profiles that must show it.
 const LEAST_SCORE: f64 = 0.5;
-/// How much support in a candidate's edges counts beside the share of its profiles.
-const SUPPORT_WEIGHT: f64 = 0.5;
+/// How much a candidate's edges and size count beside the share of its profiles.
+const RANK_WEIGHT: f64 = 0.7;
 
 /// Finds the arena's border.
 ///
@@ -36,7 +36,7 @@ pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
     let candidates = quads::candidates(&edges, (small.width(), small.height()), arena);
     let borders = candidates.iter().filter_map(|quad| {
         let border = border::find(photo, arena, quad.corners.map(full))?;
-        Some((border.score + SUPPORT_WEIGHT * quad.support, border))
+        Some((border.score + RANK_WEIGHT * quad.rank, border))
     });
     let best = borders.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, border)| border);
     let measured = best.as_ref().map_or(0.0, |border| border.score);

@@ -20,6 +20,8 @@ const SEARCH_SHARE: f64 = 0.1;
 const FOREIGN: f32 = 6.0;
 /// At the floor's end the share of foreign colour rises by at least this.
 const LEAST_RISE: f64 = 0.3;
+/// How often the floor's end is sought, each time from a better map.
+const PASSES: usize = 2;
 /// The distance of samples across a side, pixels.
 const SAMPLE_STEP: f64 = 0.5;
 /// Shrinking reaches of the search for steps, pixels at a width of 640.
@@ -46,16 +48,20 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
     let zoom = (photo.width() as f64 / 640.0).max(1.0);
     let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
     let rough = refine(photo, arena, &straight, &ROUGH_REACH.map(|reach| reach * zoom), None)?;
-    let sides = Sides::measure(photo, &rough.map, arena)?;
-    let ends = sides.ends()?;
-    let moved = moved(photo, arena, &rough.map, ends)?;
-    let fine = refine(
-        photo,
-        arena,
-        &moved,
-        &FINE_REACH.map(|reach| reach * zoom),
-        Some(sides.changes(ends)),
-    )?;
+    let mut fine = rough;
+    // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
+    for _ in 0..PASSES {
+        let sides = Sides::measure(photo, &fine.map, arena)?;
+        let ends = sides.ends()?;
+        let moved = moved(photo, arena, &fine.map, ends)?;
+        fine = refine(
+            photo,
+            arena,
+            &moved,
+            &FINE_REACH.map(|reach| reach * zoom),
+            Some(sides.changes(ends)),
+        )?;
+    }
     let score = fine.shares.iter().sum::<f64>() / 4.0;
     Some(Border { map: fine.map, score, residual: fine.residual })
 }
@@ -163,7 +169,7 @@ impl Sides {
             if most < base + LEAST_RISE {
                 return None;
             }
-            let level = base + 0.6 * (most - base);
+            let level = base + 0.75 * (most - base);
             let lasting = 3;
             let index = foreign
                 .windows(lasting)

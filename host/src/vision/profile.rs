@@ -9,8 +9,8 @@ const LEAST_ANY: f32 = 0.01;
 
 /// Where the light changes most along `lights`, as an index with a fraction.
 ///
-/// With `change` (last less first light) only a change of that colour and sign counts. `None` if
-/// there is no clear step, or if it lies at an end.
+/// With `change` (last less first light) only a change of that colour and sign counts. Changes that go on
+/// beyond an end are not steps. `None` if there is no clear one.
 pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64> {
     let slope = |i: usize| {
         let difference = [0, 1, 2].map(|c| lights[i + 2 * HALF_WIDTH][c] - lights[i][c]);
@@ -23,9 +23,14 @@ pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64>
         }
     };
     let slopes: Vec<f32> = (0..lights.len().saturating_sub(2 * HALF_WIDTH)).map(slope).collect();
-    let (best, &peak) = slopes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let peaks = slopes
+        .windows(3)
+        .enumerate()
+        .filter(|(_, w)| w[1] >= w[0] && w[1] > w[2])
+        .map(|(i, w)| (i + 1, w[1]));
+    let (best, peak) = peaks.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let least = if change.is_some() { LEAST_EXPECTED } else { LEAST_ANY };
-    if peak < least || best == 0 || best + 1 == slopes.len() {
+    if peak < least {
         return None;
     }
     let (before, after) = (slopes[best - 1], slopes[best + 1]);

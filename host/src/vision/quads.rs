@@ -17,6 +17,8 @@ const LEAST_SIDE: f64 = 0.2;
 const NEST: f64 = 0.09;
 /// Nests that are looked at.
 const MOST_NESTS: usize = 6;
+/// How much a candidate's size counts beside the share of its sides that is edge.
+const SIZE_WEIGHT: f64 = 0.8;
 /// How far outside the picture a corner may lie, as a share of its width.
 const OUTSIDE: f64 = 0.02;
 
@@ -27,9 +29,11 @@ pub(crate) struct Quad {
     pub(crate) corners: [[f64; 2]; 4],
     /// The share of the four sides that is edge, 0 to 1.
     pub(crate) support: f64,
+    /// How likely this is the arena by its edges and its size: arenas fill much of the picture.
+    pub(crate) rank: f64,
 }
 
-/// The best-supported quadrilateral of each nest, best first.
+/// The likeliest quadrilateral of each nest, best first.
 pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
     let rows = edges.lines(Direction::Horizontal);
     let columns = edges.lines(Direction::Vertical);
@@ -41,7 +45,7 @@ pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) ->
             }
         }
     }
-    quads.sort_by(|a: &Quad, b: &Quad| b.support.total_cmp(&a.support));
+    quads.sort_by(|a: &Quad, b: &Quad| b.rank.total_cmp(&a.rank));
     let mut nests: Vec<Quad> = Vec::new();
     for quad in quads {
         if nests.len() < MOST_NESTS && nests.iter().all(|nest| !same_nest(nest, &quad)) {
@@ -96,7 +100,8 @@ fn quad(
     ];
     let least = shares.into_iter().fold(1.0, f64::min);
     let support = shares.iter().sum::<f64>() / 4.0;
-    (least > LEAST_SUPPORT).then_some(Quad { corners, support })
+    let rank = support + SIZE_WEIGHT * (across * up / (size.0 * size.1) as f64).sqrt();
+    (least > LEAST_SUPPORT).then_some(Quad { corners, support, rank })
 }
 
 /// Where a nearly horizontal and a nearly vertical line meet, pixels.
