@@ -13,6 +13,8 @@ use nalgebra::{SMatrix, SVector};
 
 /// Profiles on each side of the arena.
 pub(crate) const PLACES: usize = 80;
+/// A step this close to the map, as a share of the picture's width, shows that the map is right.
+const FITTING_SHARE: f64 = 0.0015;
 /// Profiles keep this share of a side away from the corners.
 const CORNER_SHARE: f64 = 0.02;
 /// The distance of samples in a profile, pixels.
@@ -141,6 +143,8 @@ pub(crate) fn fit(
         if distance.abs() < width {
             sum += distance * distance;
             count += 1;
+        }
+        if distance.abs() < FITTING_SHARE * photo.width() as f64 {
             shares[step.side] += 1.0 / PLACES as f64;
         }
     }

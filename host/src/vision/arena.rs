@@ -16,7 +16,7 @@ const LEAST_LIGHT: u8 = 25;
 /// The share of the border's profiles that must show it.
 const LEAST_SCORE: f64 = 0.5;
 /// How much a candidate's edges and size count beside the share of its profiles.
-const RANK_WEIGHT: f64 = 0.7;
+const RANK_WEIGHT: f64 = 1.2;
 
 /// Finds the arena's border.
 ///

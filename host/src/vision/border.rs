@@ -20,13 +20,11 @@ const SEARCH_SHARE: f64 = 0.1;
 const FOREIGN: f32 = 6.0;
 /// At the floor's end the share of foreign colour rises by at least this.
 const LEAST_RISE: f64 = 0.3;
-/// How often the floor's end is sought, each time from a better map.
-const PASSES: usize = 2;
 /// The distance of samples across a side, pixels.
 const SAMPLE_STEP: f64 = 0.5;
 /// Shrinking reaches of the search for steps, pixels at a width of 640.
 const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
-const FINE_REACH: [f64; 3] = [4.0, 2.5, 2.0];
+const FINE_REACH: [[f64; 3]; 3] = [[8.0, 5.0, 3.0], [5.0, 3.0, 2.0], [4.0, 2.5, 2.0]];
 /// Radial coefficients of lenses that pictures of arenas are taken with.
 const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.08;
 /// The lens is accepted if it brings the residual below this share of that without.
@@ -50,7 +48,7 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
     let rough = refine(photo, arena, &straight, &ROUGH_REACH.map(|reach| reach * zoom), None)?;
     let mut fine = rough;
     // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
-    for _ in 0..PASSES {
+    for reaches in FINE_REACH {
         let sides = Sides::measure(photo, &fine.map, arena)?;
         let ends = sides.ends()?;
         let moved = moved(photo, arena, &fine.map, ends)?;
@@ -58,7 +56,7 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
             photo,
             arena,
             &moved,
-            &FINE_REACH.map(|reach| reach * zoom),
+            &reaches.map(|reach| reach * zoom),
             Some(sides.changes(ends)),
         )?;
     }
@@ -169,7 +167,7 @@ impl Sides {
             if most < base + LEAST_RISE {
                 return None;
             }
-            let level = base + 0.75 * (most - base);
+            let level = base + 0.5 * (most - base);
             let lasting = 3;
             let index = foreign
                 .windows(lasting)

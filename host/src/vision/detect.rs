@@ -1,6 +1,7 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
 use super::arena;
+use super::camera::Camera;
 use super::error::VisionError;
 use super::look::Look;
 use super::paper::{PaperSteps, paper_steps};
@@ -10,7 +11,9 @@ use super::plan_view::{PlanFrame, plan_view};
 use super::raster::Raster;
 use super::rectangles::{CellRect, rectangles};
 use super::robot::{self, RobotTop};
-use super::sharpen::{Bounded, sharpen};
+use super::robust::{self, Found};
+use super::sharpen::Bounded;
+use super::viewpoint::Viewpoint;
 use crate::geometry::{Arena, Point, Pose, Rect};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
@@ -18,6 +21,10 @@ const PAPER_RADIUS: f64 = 0.075;
 /// Cells per metre of the paper's plan view, and the most cells along a side.
 const PAPER_SCALE: f64 = 300.0;
 const PAPER_CELLS: f64 = 1200.0;
+/// Without boxes, the robot's top this much larger than its disc tells that things lean.
+const LEANING_ROBOT: f64 = 1.03;
+/// The height of the robot's top above the floor, metres, if nobody says.
+const USUAL_ROBOT_HEIGHT: f64 = 0.07;
 /// Obstacles are at least this large, metres.
 const LEAST_SIDE: f64 = 0.02;
 /// Cells this close to the border, in cells, are blurred with it.
@@ -46,8 +53,12 @@ pub struct DetectOptions {
     /// The arena's corners in the photo, pixels: lower left, lower right, upper right, upper left.
     /// They are sought if not given.
     pub corners: Option<[[f64; 2]; 4]>,
+    /// The camera, if it is calibrated; corners are then not looked for.
+    pub camera: Option<Camera>,
     /// The radius of the robot's disc, metres.
     pub robot_radius: f64,
+    /// The height of the robot's top above the floor, metres.
+    pub robot_height: f64,
     /// Whether the pictures of the steps are kept.
     pub keep_steps: bool,
 }
@@ -57,7 +68,9 @@ impl Default for DetectOptions {
         Self {
             method: Method::Robust,
             corners: None,
+            camera: None,
             robot_radius: PAPER_RADIUS,
+            robot_height: USUAL_ROBOT_HEIGHT,
             keep_steps: false,
         }
     }
@@ -124,31 +137,68 @@ pub fn detect(
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
     let mut warnings = Vec::new();
-    let (map, confidence) = match options.corners {
-        Some(corners) => (given(photo, arena, corners)?, 1.0),
-        None => {
-            let border = arena::find(photo, arena)?;
-            warnings.extend(rough_border(border.residual));
-            (border.map, border.score)
-        }
-    };
+    let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
-    let robot = robot::find(photo, &map, &look, options.robot_radius);
+    let top = robot::find(photo, &map, &look, options.robot_radius);
     let steps = (options.keep_steps || options.method == Method::Paper)
         .then(|| steps(photo, &map, arena, options.robot_radius));
-    let found = match (&options.method, &steps) {
-        (Method::Paper, Some(steps)) => paper_rectangles(steps, robot),
-        _ => robust_rectangles(photo, &map, &look, robot),
+    let viewpoint = match &options.camera {
+        Some(camera) => camera.viewpoint(),
+        None => Viewpoint::of(photo, &map),
     };
+    let found = match (&options.method, &steps) {
+        (Method::Paper, Some(steps)) => Found { boxes: paper_rectangles(steps, top), leans: None },
+        _ => robust::find(photo, &map, &look, top, viewpoint),
+    };
+    let robot = top.map(|top| {
+        let seen = top.radius / options.robot_radius;
+        let leans = found.leans.unwrap_or(seen > LEANING_ROBOT);
+        let lean =
+            viewpoint.filter(|_| leans).map(|view| (view.foot, robot_lean(view, options, seen)));
+        Pose {
+            position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
+            heading: top.heading,
+        }
+    });
     Ok(Detection {
-        obstacles: found.iter().map(|bounded| bounded.rect).collect(),
-        margins: found.iter().map(|bounded| bounded.margin).collect(),
+        obstacles: found.boxes.iter().map(|bounded| bounded.rect).collect(),
+        margins: found.boxes.iter().map(|bounded| bounded.margin).collect(),
         corners_px: map.seen_corners(arena),
-        robot: robot.map(|top| Pose { position: top.centre, heading: top.heading }),
+        robot,
         confidence,
         warnings,
         steps: steps.filter(|_| options.keep_steps),
     })
+}
+
+/// The map from floor to photo, by camera, by corners or by the border, and how sure it is.
+fn locate(
+    photo: &Photo,
+    arena: Arena,
+    options: &DetectOptions,
+    warnings: &mut Vec<String>,
+) -> Result<(PlanMap, f64), VisionError> {
+    if let Some(camera) = &options.camera {
+        return Ok((camera.plan_map(photo)?, 1.0));
+    }
+    if let Some(corners) = options.corners {
+        return Ok((given(photo, arena, corners)?, 1.0));
+    }
+    let border = arena::find(photo, arena)?;
+    warnings.extend(rough_border(border.residual));
+    Ok((border.map, border.score))
+}
+
+/// How much larger the robot's top looks than its base: by the camera's height if that is known, else
+/// by that guess and by the disc's size together.
+fn robot_lean(view: Viewpoint, options: &DetectOptions, seen: f64) -> f64 {
+    let by_height = view.height / (view.height - options.robot_height).max(1e-3);
+    if options.camera.is_some() { by_height } else { (by_height + seen.clamp(1.0, 1.06)) / 2.0 }
+}
+
+/// The floor point under what appears at `point` on the robot's top.
+fn lowered(point: Point, foot: Point, lean: f64) -> Point {
+    Point::new(foot.x + (point.x - foot.x) / lean, foot.y + (point.y - foot.y) / lean)
 }
 
 /// What to say about a border that fits badly.
@@ -192,22 +242,6 @@ fn steps(photo: &Photo, map: &PlanMap, arena: Arena, radius: f64) -> Steps {
     Steps { frame, view, paper }
 }
 
-/// Obstacles by the floor's colour.
-fn robust_rectangles(
-    photo: &Photo,
-    map: &PlanMap,
-    look: &Look,
-    robot: Option<RobotTop>,
-) -> Vec<Bounded> {
-    let foreign = without(&look.foreign(), &look.frame, robot);
-    let least = (LEAST_SIDE * look.frame.scale).max(2.5);
-    let found = rectangles(&majority(&foreign), least * least);
-    let thick = found
-        .into_iter()
-        .filter(|cells| (cells.x1 - cells.x0).min(cells.y1 - cells.y0) as f64 >= least);
-    thick.map(|cells| sharpen(photo, map, look, metres(&look.frame, cells))).collect()
-}
-
 /// Obstacles by the paper's mask, to a cell.
 fn paper_rectangles(steps: &Steps, robot: Option<RobotTop>) -> Vec<Bounded> {
     let mask = without(&steps.paper.obstacles.cells, &steps.frame, robot);
@@ -233,16 +267,6 @@ fn without(mask: &Raster<bool>, frame: &PlanFrame, robot: Option<RobotTop>) -> R
             && point.y < frame.arena.height - blur;
         let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
         inside && !of_robot && mask.get(column as i64, row as i64) == Some(true)
-    })
-}
-
-/// Every cell as most of its 3 × 3 neighbourhood: specks vanish, straight edges stay.
-fn majority(mask: &Raster<bool>) -> Raster<bool> {
-    Raster::from_fn(mask.width(), mask.height(), |x, y| {
-        let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (i, j)));
-        let count =
-            around.filter(|(i, j)| mask.get(x as i64 + i, y as i64 + j) == Some(true)).count();
-        count >= 5
     })
 }
 

@@ -53,15 +53,6 @@ impl Look {
         let (column, row) = self.frame.cell(point);
         self.differences.get(column.round() as i64, row.round() as i64)
     }
-
-    /// The cells on the arena whose colour is neither floor nor shadow.
-    pub(crate) fn foreign(&self) -> Raster<bool> {
-        let width = self.differences.width();
-        Raster::from_fn(width, self.differences.height(), |column, row| {
-            self.on_arena(column, row)
-                && self.differences.cells()[row * width + column].floor > FOREIGN
-        })
-    }
 }
 
 fn samples(frame: &PlanFrame, features: &Raster<Feature>) -> Vec<(Point, Feature)> {

@@ -39,6 +39,19 @@ impl PlanMap {
         (finite && radial.is_finite()).then_some(map)
     }
 
+    /// The map by a homography to ideal pixels, bent about `centre` by `radial` per `unit` pixels squared.
+    pub(crate) fn with_lens(
+        to_ideal: Matrix3<f64>,
+        centre: [f64; 2],
+        unit: f64,
+        radial: f64,
+    ) -> Option<Self> {
+        let to_floor = to_ideal.try_inverse()?;
+        let map = Self { to_ideal, to_floor, centre, half_width: unit, radial };
+        let finite = to_floor.iter().chain(to_ideal.iter()).all(|value| value.is_finite());
+        (finite && radial.is_finite()).then_some(map)
+    }
+
     /// The same, from corners as the photo shows them.
     pub fn from_seen_corners(
         photo: &Photo,
@@ -69,6 +82,12 @@ impl PlanMap {
     /// The radial coefficient λ, per half width squared.
     pub fn radial(&self) -> f64 {
         self.radial
+    }
+
+    /// The homography from the floor to ideal pixels about the picture's centre.
+    pub(crate) fn centred_homography(&self) -> Matrix3<f64> {
+        let [x, y] = self.centre;
+        Matrix3::new(1.0, 0.0, -x, 0.0, 1.0, -y, 0.0, 0.0, 1.0) * self.to_ideal
     }
 
     /// Corners 0..3 of `arena` as ideal pixels, before the lens.

@@ -5,7 +5,7 @@
 //! into triangle and rest. Lengths are those of the robot's top as the floor's map shows it: raised by the
 //! robot's height it looks larger and farther from the camera's foot point, by the same factor.
 
-use super::floor::Feature;
+use super::floor::{Feature, feature};
 use super::look::Look;
 use super::photo::Photo;
 use super::plan_map::PlanMap;
@@ -141,7 +141,7 @@ fn peaks(look: &Look, votes: &Raster<u32>, radius: f64) -> Vec<(f64, f64, u32)> 
     found
 }
 
-/// The circle through the steps of light around a rough centre: centre and radius, metres.
+/// The circle of the robot's top around a rough centre: centre and radius, metres.
 fn circle(
     photo: &Photo,
     map: &PlanMap,
@@ -150,30 +150,80 @@ fn circle(
     radius: f64,
 ) -> Option<(Point, f64)> {
     const RAYS: usize = 48;
-    const SAMPLES: usize = 41;
-    let (mut centre, mut fitted) = (rough, radius);
-    for reach in [0.25, 0.15, 0.12] {
+    const SAMPLES: usize = 25;
+    let (mut centre, mut fitted) = clearest_circle(photo, map, rough, radius);
+    for reach in [0.12, 0.10] {
         let mut points = Vec::with_capacity(RAYS);
         for ray in 0..RAYS {
             let angle = TAU * ray as f64 / RAYS as f64;
             let distance =
                 |index: f64| fitted * (1.0 - reach + 2.0 * reach * index / (SAMPLES - 1) as f64);
-            let point = |index: f64| {
-                Point::new(
-                    centre.x + distance(index) * angle.cos(),
-                    centre.y + distance(index) * angle.sin(),
-                )
-            };
+            let point = |index: f64| on_circle(centre, distance(index), angle);
             let lights: Vec<_> =
                 (0..SAMPLES).map(|i| photo.light(map.to_photo(point(i as f64)))).collect();
             points.extend(step(&lights, None).map(point));
         }
-        let (next, size) = robust_circle(&points, centre, fitted, 2.0 / look.frame.scale)?;
+        let Some((next, size)) = robust_circle(&points, centre, fitted, 1.0 / look.frame.scale)
+        else {
+            break;
+        };
+        if next.distance(centre) > 0.1 * radius || (size - fitted).abs() > 0.06 * radius {
+            break;
+        }
         (centre, fitted) = (next, size);
     }
-    let near =
-        centre.distance(rough) < 0.4 * radius && (0.93 * radius..1.07 * radius).contains(&fitted);
-    near.then_some((centre, fitted))
+    let near = centre.distance(rough) < 0.4 * radius;
+    near.then_some((centre, fitted.clamp(0.95 * radius, 1.05 * radius)))
+}
+
+fn on_circle(centre: Point, radius: f64, angle: f64) -> Point {
+    Point::new(centre.x + radius * angle.cos(), centre.y + radius * angle.sin())
+}
+
+/// The circle whose inside differs from its outside all around, from a rough one.
+///
+/// The square roots of the differences are added, so that a few great ones do not outweigh the rest.
+/// Shadow and the robot's own side show arcs of other circles nearby; only that of the top is whole.
+fn clearest_circle(photo: &Photo, map: &PlanMap, rough: Point, radius: f64) -> (Point, f64) {
+    const RAYS: usize = 36;
+    let half = 1.0 / map.scale_at(rough).max(1.0);
+    let clarity = |centre: Point, size: f64| {
+        let ray = |ray: usize| {
+            let angle = TAU * ray as f64 / RAYS as f64;
+            let [inside, outside] = [size - half, size + half]
+                .map(|r| feature(photo.light(map.to_photo(on_circle(centre, r, angle)))));
+            (0..3).map(|part| (inside[part] - outside[part]).powi(2)).sum::<f32>().powf(0.25)
+        };
+        (0..RAYS).map(ray).sum::<f32>()
+    };
+    let mut best = (clarity(rough, radius), rough, radius);
+    for step in [0.08 * radius, 0.04 * radius, 0.02 * radius, 0.01 * radius] {
+        for _ in 0..10 {
+            let (_, at, size) = best;
+            let before = best.0;
+            for (dx, dy, dr) in [
+                (1.0, 0.0, 0.0),
+                (-1.0, 0.0, 0.0),
+                (0.0, 1.0, 0.0),
+                (0.0, -1.0, 0.0),
+                (0.0, 0.0, 0.5),
+                (0.0, 0.0, -0.5),
+            ] {
+                let (next, larger) = (
+                    Point::new(at.x + dx * step, at.y + dy * step),
+                    (size + dr * step).clamp(0.95 * radius, 1.05 * radius),
+                );
+                let value = clarity(next, larger);
+                if value > best.0 {
+                    best = (value, next, larger);
+                }
+            }
+            if best.0 <= before {
+                break;
+            }
+        }
+    }
+    (best.1, best.2)
 }
 
 /// Least squares for centre and radius over the points within `width` of the circle, metres.
@@ -222,7 +272,7 @@ fn heading(
             if x.hypot(y) < 0.88 {
                 let light = photo
                     .light(map.to_photo(Point::new(centre.x + x * radius, centre.y + y * radius)));
-                let seen = super::floor::feature(light);
+                let seen = feature(light);
                 places.push((x, y, [0, 1, 2].map(|part| seen[part] / look.floor.spread[part])));
             }
         }

@@ -1,0 +1,153 @@
+//! A box as an overhead camera sees it: its top leans away from the camera's foot point.
+//!
+//! On the floor's plane the top of a box of height h appears as its footprint enlarged about the
+//! camera's foot point by the lean k = H / (H − h), H the camera's height. Footprint and top are
+//! axis-parallel rectangles; the sides that face the foot point lie between their edges. The outline is
+//! all that the footprint sweeps on its way to the top.
+
+use crate::geometry::{Point, Rect};
+
+/// A footprint and its lean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LeaningBox {
+    /// Where the box stands, metres.
+    pub(crate) base: Rect,
+    /// The top's size over the footprint's, at least 1.
+    pub(crate) lean: f64,
+}
+
+/// A face of a box that a camera can see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Face {
+    Top,
+    /// A side whose normal runs along x.
+    AcrossX,
+    /// A side whose normal runs along y.
+    AcrossY,
+}
+
+impl LeaningBox {
+    /// Where the top appears on the floor, seen from above `foot`.
+    pub(crate) fn top(&self, foot: Point) -> Rect {
+        enlarged(self.base, foot, self.lean)
+    }
+
+    /// The box whose top appears at `top`.
+    pub(crate) fn under(top: Rect, foot: Point, lean: f64) -> Self {
+        Self { base: enlarged(top, foot, 1.0 / lean), lean }
+    }
+
+    /// The box whose outline's bounds are `bounds`: near edges are the footprint's, far ones the top's.
+    pub(crate) fn within(bounds: Rect, foot: Point, lean: f64) -> Self {
+        let low =
+            |edge: f64, foot: f64| if edge < foot { foot + (edge - foot) / lean } else { edge };
+        let high =
+            |edge: f64, foot: f64| if edge > foot { foot + (edge - foot) / lean } else { edge };
+        let Rect { x0, y0, x1, y1 } = bounds;
+        let base = Rect::new(low(x0, foot.x), low(y0, foot.y), high(x1, foot.x), high(y1, foot.y));
+        Self { base, lean }
+    }
+
+    /// The bounds of the outline.
+    pub(crate) fn bounds(&self, foot: Point) -> Rect {
+        let (base, top) = (self.base, self.top(foot));
+        Rect::new(
+            base.x0.min(top.x0),
+            base.y0.min(top.y0),
+            base.x1.max(top.x1),
+            base.y1.max(top.y1),
+        )
+    }
+
+    /// Whether the side (0 left, 1 lower, 2 right, 3 upper) faces the camera's foot point.
+    pub(crate) fn faces(&self, side: usize, foot: Point) -> bool {
+        match side {
+            0 => self.base.x0 > foot.x,
+            1 => self.base.y0 > foot.y,
+            2 => self.base.x1 < foot.x,
+            _ => self.base.y1 < foot.y,
+        }
+    }
+
+    /// Which face is seen at a floor point, if it lies in the outline.
+    pub(crate) fn face(&self, point: Point, foot: Point) -> Option<Face> {
+        let base = self.base;
+        let (x_low, x_high) = leans(point.x - foot.x, base.x0 - foot.x, base.x1 - foot.x);
+        let (y_low, y_high) = leans(point.y - foot.y, base.y0 - foot.y, base.y1 - foot.y);
+        let (low, high) = (x_low.max(y_low).max(1.0), x_high.min(y_high));
+        if low > high.min(self.lean) {
+            None
+        } else if high >= self.lean {
+            Some(Face::Top)
+        } else if x_high < y_high {
+            Some(Face::AcrossX)
+        } else {
+            Some(Face::AcrossY)
+        }
+    }
+}
+
+fn enlarged(rect: Rect, foot: Point, factor: f64) -> Rect {
+    let x = |value: f64| foot.x + factor * (value - foot.x);
+    let y = |value: f64| foot.y + factor * (value - foot.y);
+    Rect::new(x(rect.x0), y(rect.y0), x(rect.x1), y(rect.y1))
+}
+
+/// The factors by which the interval `low..high` may be enlarged about 0 so that it holds `value`.
+fn leans(value: f64, low: f64, high: f64) -> (f64, f64) {
+    if low > 0.0 {
+        (value / high, value / low)
+    } else if high < 0.0 {
+        (value / low, value / high)
+    } else {
+        let least = if value >= 0.0 { value / high.max(1e-9) } else { value / low.min(-1e-9) };
+        (least, f64::INFINITY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FOOT: Point = Point::new(1.0, 1.0);
+
+    #[test]
+    fn a_box_to_the_right_shows_its_left_side() {
+        let seen = LeaningBox { base: Rect::new(2.0, 0.8, 2.4, 1.2), lean: 1.1 };
+        let top = seen.top(FOOT);
+        assert!((top.x0 - 2.1).abs() < 1e-12 && (top.x1 - 2.54).abs() < 1e-12);
+        assert_eq!(seen.face(Point::new(2.05, 1.0), FOOT), Some(Face::AcrossX));
+        assert_eq!(seen.face(Point::new(2.3, 1.0), FOOT), Some(Face::Top));
+        assert_eq!(seen.face(Point::new(1.99, 1.0), FOOT), None);
+        assert!(seen.faces(0, FOOT) && !seen.faces(1, FOOT) && !seen.faces(2, FOOT));
+    }
+
+    proptest! {
+        #[test]
+        fn a_point_is_in_the_outline_if_some_height_of_the_box_covers_it(
+            x0 in 0.0..2.0f64, y0 in 0.0..2.0f64, w in 0.05..0.5f64, h in 0.05..0.5f64,
+            lean in 1.0..1.3f64, px in 0.0..3.0f64, py in 0.0..3.0f64,
+        ) {
+            let seen = LeaningBox { base: Rect::new(x0, y0, x0 + w, y0 + h), lean };
+            let covered = (0..=2000).any(|i| {
+                let factor = 1.0 + (lean - 1.0) * f64::from(i) / 2000.0;
+                let cover = enlarged(seen.base, FOOT, factor);
+                px >= cover.x0 && px <= cover.x1 && py >= cover.y0 && py <= cover.y1
+            });
+            let inside = seen.face(Point::new(px, py), FOOT).is_some();
+            // Between two of the sampled heights a corner may slip through.
+            prop_assert!(inside || !covered);
+            let bounds = seen.bounds(FOOT);
+            prop_assert!(!inside || (px >= bounds.x0 - 1e-9 && px <= bounds.x1 + 1e-9 && py >= bounds.y0 - 1e-9 && py <= bounds.y1 + 1e-9));
+        }
+
+        #[test]
+        fn top_and_bounds_lead_back_to_the_box(x0 in -1.0..2.0f64, w in 0.05..0.5f64, lean in 1.0..1.3f64) {
+            let seen = LeaningBox { base: Rect::new(x0, 0.4, x0 + w, 0.7), lean };
+            for again in [LeaningBox::under(seen.top(FOOT), FOOT, lean), LeaningBox::within(seen.bounds(FOOT), FOOT, lean)] {
+                prop_assert!((again.base.x0 - seen.base.x0).abs() < 1e-9 && (again.base.x1 - seen.base.x1).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Where the camera stands: its foot point on the floor and its height, from the floor's map alone.
+//!
+//! The homography of a camera with focal length f (pixels) and its axis through the picture's centre
+//! has two columns that are images of orthogonal vectors of the same length; that gives f where the
+//! view is tilted. Straight from above f cannot be seen, but there the foot point needs no f: it
+//! lies at the picture's centre. A usual focal length is therefore taken as a weak prior.
+
+use super::photo::Photo;
+use super::plan_map::PlanMap;
+use crate::geometry::Point;
+use nalgebra::{Matrix3, Vector3};
+
+/// The usual focal length in widths of the picture, and the logarithm of its spread.
+const USUAL_FOCAL: f64 = 1.05;
+const FOCAL_SPREAD: f64 = 0.3;
+/// How far the columns' angle (radians) and ratio of lengths may be off.
+const COLUMN_NOISE: f64 = 0.004;
+/// Focal lengths that are tried, in steps of this factor.
+const FOCAL_STEP: f64 = 1.02;
+const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
+
+/// The camera's place, metres in the arena frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Viewpoint {
+    /// The point of the floor straight below the camera.
+    pub(crate) foot: Point,
+    /// The camera's height above the floor; only a guess if seen straight from above.
+    pub(crate) height: f64,
+}
+
+impl Viewpoint {
+    /// The viewpoint that a map implies; `None` if no camera could have it.
+    pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        let mut best: Option<(f64, f64)> = None;
+        let mut focal = FOCAL_RANGE.start;
+        while focal < FOCAL_RANGE.end {
+            let cost = misfit(&homography, focal * width)
+                + ((focal / USUAL_FOCAL).ln() / FOCAL_SPREAD).powi(2);
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, focal * width));
+            }
+            focal *= FOCAL_STEP;
+        }
+        let (_, focal) = best?;
+        let [x, y, z] = centre(&homography, focal)?;
+        Some(Self { foot: Point::new(x, y), height: z })
+    }
+}
+
+/// The columns of the rotation (times a scale) and the translation, for a focal length.
+fn columns(homography: &Matrix3<f64>, focal: f64) -> [Vector3<f64>; 3] {
+    let to_rays = Matrix3::from_diagonal(&Vector3::new(1.0 / focal, 1.0 / focal, 1.0));
+    let rays = to_rays * homography;
+    [0, 1, 2].map(|column| rays.column(column).into_owned())
+}
+
+/// How far the first two columns are from orthogonal and equal, in squared standard deviations.
+fn misfit(homography: &Matrix3<f64>, focal: f64) -> f64 {
+    let [a, b, _] = columns(homography, focal);
+    let angle = a.dot(&b) / (a.norm() * b.norm()).max(1e-12);
+    let ratio = (a.norm() / b.norm().max(1e-12)).ln();
+    (angle / COLUMN_NOISE).powi(2) + (ratio / COLUMN_NOISE).powi(2)
+}
+
+/// The camera's centre in the arena frame.
+fn centre(homography: &Matrix3<f64>, focal: f64) -> Option<[f64; 3]> {
+    let [a, b, t] = columns(homography, focal);
+    let scale = 2.0 / (a.norm() + b.norm());
+    let (x, y, t) =
+        (a.normalize(), (b - a * (a.dot(&b) / a.norm_squared())).normalize(), t * scale);
+    let z = x.cross(&y);
+    let centre = [-x.dot(&t), -y.dot(&t), -z.dot(&t)];
+    let [cx, cy, height] = centre;
+    (cx.is_finite() && cy.is_finite() && height.abs() > 1e-6).then_some([cx, cy, height.abs()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Arena;
+    use nalgebra::Rotation3;
+
+    fn seen_from(position: Vector3<f64>, tilt: f64, turn: f64) -> (Photo, PlanMap) {
+        let photo = Photo::from_rgb(640, 480, vec![[0; 3]; 640 * 480]).unwrap();
+        let arena = Arena { width: 2.0, height: 1.5 };
+        let flip = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        let rotation = Rotation3::from_euler_angles(tilt, 0.0, turn).matrix() * flip;
+        let corners = super::super::plan_map::corner_points(arena).map(|[x, y]| {
+            let seen = rotation * (Vector3::new(x, y, 0.0) - position);
+            [319.5 + 650.0 * seen.x / seen.z, 239.5 + 650.0 * seen.y / seen.z]
+        });
+        let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        (photo, map)
+    }
+
+    #[test]
+    fn straight_from_above_the_foot_is_at_the_centre_of_the_picture() {
+        let (photo, map) = seen_from(Vector3::new(0.9, 0.8, 2.5), 0.0, 0.0);
+        let view = Viewpoint::of(&photo, &map).unwrap();
+        assert!(view.foot.distance(Point::new(0.9, 0.8)) < 0.005, "{view:?}");
+    }
+
+    #[test]
+    fn a_tilted_camera_is_placed_within_centimetres() {
+        let (photo, map) = seen_from(Vector3::new(0.6, 0.5, 2.8), 0.18, 0.3);
+        let view = Viewpoint::of(&photo, &map).unwrap();
+        assert!(view.foot.distance(Point::new(0.6, 0.5)) < 0.05, "{view:?}");
+        assert!((view.height - 2.8).abs() < 0.2, "{view:?}");
+    }
+}
