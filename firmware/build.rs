@@ -21,6 +21,9 @@ fn main() -> io::Result<()> {
     if !rp2350 {
         println!("cargo::rustc-link-arg-bins=-Tlink-rp.x");
     }
+    if !variable("CARGO_FEATURE_DEFMT").is_empty() {
+        println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
+    }
     Ok(())
 }
 

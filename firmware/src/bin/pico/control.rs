@@ -12,7 +12,7 @@ use protocol::message::Reboot;
 use protocol::motion::TICK_MILLISECONDS;
 
 use crate::board::{self, BOARD, Base};
-use crate::{faults, link};
+use crate::{faults, link, log};
 
 /// The control period that [`Robot::tick`] counts on.
 const TICK: Duration = Duration::from_millis(TICK_MILLISECONDS as u64);
@@ -37,6 +37,7 @@ async fn main(threads: Spawner) {
     let mut parts = board::take();
     parts.watchdog.start(WATCHDOG_TIMEOUT);
     let boot = Boot { nonce: faults::boot_nonce(&mut parts.watchdog), board: BOARD };
+    log::started(boot.nonce);
 
     // The timer and the UART stay above the control task: their handlers are short, and the UART's
     // buffer would overflow during a long tick. USB can wait: its host asks again.

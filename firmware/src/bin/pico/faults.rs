@@ -10,6 +10,7 @@ use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::watchdog::Watchdog;
 
 use crate::board::MOTOR_PINS;
+use crate::log;
 
 /// The register of the watchdog block that counts the boots since power came on; it survives resets.
 const BOOTS_SCRATCH: usize = 0;
@@ -46,8 +47,10 @@ fn restart() -> ! {
 }
 
 #[panic_handler]
-fn panicked(_: &PanicInfo) -> ! {
+fn panicked(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
+    motors_dead();
+    log::panicked(info);
     restart()
 }
 

@@ -21,6 +21,11 @@ mod encoders;
 mod faults;
 #[cfg(target_os = "none")]
 mod link;
+#[cfg(all(target_os = "none", feature = "defmt"))]
+mod log;
+#[cfg(all(target_os = "none", not(feature = "defmt")))]
+#[path = "no_log.rs"]
+mod log;
 #[cfg(target_os = "none")]
 mod motors;
 
