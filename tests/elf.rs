@@ -31,6 +31,9 @@ const FAILURE_LIMIT: Duration = Duration::from_millis(150);
 /// The watchdog's 100 ms less one control tick, so that a reset cannot come from elsewhere.
 const WATCHDOG_LEAST: Duration = Duration::from_millis(94);
 
+/// A hundredth of the control period.
+const TICK_DELAY: Duration = Duration::from_micros(50);
+
 /// Metres that a wheel of the default robot rolls in one count.
 const COUNT: f64 = TAU * 0.035 / 1440.0;
 const TRACK: f64 = 0.12;
@@ -241,4 +244,26 @@ fn the_usb_port_answers_and_its_touch_starts_the_boot_loader() {
         let step = pico.step(Duration::from_millis(50), &[], [400, 400]).unwrap();
         assert_eq!(step.boot_loader, !open);
     }
+}
+
+#[test]
+fn noise_on_both_ports_delays_no_tick() {
+    let mut pico = pico();
+    pico.set_usb_line(115_200, true).unwrap();
+    let mut noise = (0_u32..).map(|index| (index.wrapping_mul(0x9e37_79b1) >> 24) as u8);
+    let mut ticks = Vec::new();
+    for _ in 0..200 {
+        // As much as the UART's line carries in this time, and more than the firmware takes from USB.
+        let uart: Vec<u8> = noise.by_ref().take(57).collect();
+        let usb: Vec<u8> = noise.by_ref().take(150).collect();
+        pico.send_usb(&usb);
+        let step = pico.step(POLL, &uart, [0; 2]).unwrap();
+        assert_eq!(step.resets, 0);
+        ticks.extend(step.ticks);
+    }
+    for pair in ticks.windows(2) {
+        let period = pair[1].start - pair[0].start;
+        assert!(period.abs_diff(POLL) < TICK_DELAY, "{period:?}");
+    }
+    assert!(ticks.len() >= 198, "{}", ticks.len());
 }
