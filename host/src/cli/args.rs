@@ -75,6 +75,9 @@ pub(crate) struct VisionArgs {
     /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main".
+    #[arg(long, value_name = "FILE")]
+    pub(crate) camera: Option<PathBuf>,
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,

@@ -7,7 +7,7 @@ use host::map::{CellMap, MapError, ros_image_name};
 use host::picture::vision::{NamedPicture, vision_pictures};
 use host::plan_file::PlanFile;
 use host::scene::{DEFAULT_ROBOT_RADIUS, Scene};
-use host::vision::{self, DetectOptions, Detection, Method};
+use host::vision::{self, Camera, DetectOptions, Detection, Method};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -153,10 +153,28 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
         corners: args.corners,
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
+        camera: args.camera.as_deref().map(read_camera).transpose()?,
+        ..DetectOptions::default()
     };
     let started = Instant::now();
     let detection = vision::detect(&photo, arena, &options)?;
     Ok(SeenPhoto { bytes, arena, detection, decode_time, detect_time: started.elapsed() })
+}
+
+/// A camera file: the camera stands under `main`.
+#[derive(serde::Deserialize)]
+struct CameraFile {
+    main: Camera,
+}
+
+fn read_camera(path: &Path) -> Result<Camera, CliError> {
+    let bytes = read_bytes(path)?;
+    let file: CameraFile = serde_json::from_slice(&bytes).map_err(|error| {
+        let message = format!("{}: {error}", path.display());
+        let help = "a camera file is {\"main\": {model, image_size, K, k1, R, t}}";
+        CliError::new(Exit::File, "camera", message, help)
+    })?;
+    Ok(file.main)
 }
 
 impl SeenPhoto {
