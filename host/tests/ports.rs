@@ -121,3 +121,34 @@ fn ctrl_c_stops_the_robot_behind_a_socket_before_the_program_ends() {
     let truth = sim.end();
     assert!(distance(&truth["true_pose"], 0.8, 0.5) > 0.05, "{truth}");
 }
+
+#[test]
+fn somebody_elses_physics_take_the_bases_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
+    std::fs::write(&scene, SHORT).unwrap();
+    let mut sim = wmr(&["sim", "--lockstep", "127.0.0.1:0", "--tcp", "127.0.0.1:0"]);
+    let mut sim = sim.stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(sim.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let port = |line: &str| {
+        line.split(['/', ' ', ';']).find(|word| word.starts_with("127.")).unwrap().to_owned()
+    };
+    let (robot, physics) = (port(&lines.next().unwrap()), port(&lines.next().unwrap()));
+    let (host, number) = physics.split_once(':').unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/lockstep_base.py");
+    let base = Command::new("python3")
+        .args([script, host, number])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+
+    let robot = format!("tcp://{robot}");
+    let driven =
+        wmr(&["drive", scene.to_str().unwrap(), "--port", &robot, "--json"]).output().unwrap();
+    assert_eq!(document(&driven)["reached"], true, "{driven:?}");
+    interrupt(&sim);
+    assert!(sim.wait().unwrap().success());
+    // The base's own frame: it began at its origin, half a metre before the goal.
+    let pose = document(&base.wait_with_output().unwrap());
+    assert!(distance(&pose, 0.5, 0.0) < 0.005, "{pose}");
+}

@@ -204,6 +204,15 @@ pub(crate) struct SimArgs {
     /// Run this flashed binary in an emulator instead of the robot's logic alone.
     #[arg(long, value_name = "FILE")]
     pub(crate) elf: Option<PathBuf>,
+    /// Let somebody else's physics, which connect here, take the base's place.
+    #[arg(long, value_name = "ADDR", conflicts_with = "scene")]
+    pub(crate) lockstep: Option<String>,
+    /// With --lockstep: seconds that each line lasts.
+    #[arg(long, value_parser = quantity::step, default_value = "0.001", value_name = "SECONDS")]
+    pub(crate) step: f64,
+    /// With --lockstep: do not wait for the clock on the wall.
+    #[arg(long, requires = "lockstep")]
+    pub(crate) fast: bool,
     /// The arena around the robot, and where it starts; without it the floor is endless.
     #[arg(long, value_name = "SCENE")]
     pub(crate) scene: Option<PathBuf>,

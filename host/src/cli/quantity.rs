@@ -40,6 +40,12 @@ pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
     })
 }
 
+/// A step of simulated time, seconds: 0.1 ms to 100 ms.
+pub(crate) fn step(text: &str) -> Result<f64, String> {
+    let value = scaled(text, &[("s", 1.0)], 1.0).filter(|value| (1e-4..=0.1).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no step; write seconds from 0.0001 to 0.1"))
+}
+
 /// An arena's size from `1.6x2.0` or `160cmx200cm`.
 pub(crate) fn arena(text: &str) -> Result<Arena, String> {
     let parts = text.split_once(['x', '×']).and_then(|(width, height)| {

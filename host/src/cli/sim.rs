@@ -9,13 +9,16 @@ use super::output::Output;
 use hil_sim::base::{BaseParameters, TruePose};
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
-use hil_sim::pty::Pty;
+use hil_sim::lockstep::{self, Lockstep, Pacing};
 use hil_sim::realtime;
-use hil_sim::simulation::{Brain, Simulation};
+use hil_sim::simulation::{Brain, Truth};
 use hil_sim::tcp::TcpPort;
 use host::geometry::Pose;
 use serde_json::json;
 use std::io::{self, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::time::Duration;
 
 /// `wmr sim`.
 pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
@@ -44,52 +47,96 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
             }
         },
     };
-    let base = BaseParameters::seeded(args.seed);
     match &args.elf {
-        Some(elf) => serve(world.with(EmulatedPico::spawn(elf)?, base), args, output),
-        None => serve(world.with(InProcess::default(), base), args, output),
+        Some(elf) => serve(world, EmulatedPico::spawn(elf)?, args, output),
+        None => serve(world, InProcess::default(), args, output),
     }
 }
 
+/// What clients open.
+trait Port: Read + Write {}
+impl<P: Read + Write> Port for P {}
+
 fn serve<B: Brain>(
-    mut simulation: Simulation<B>,
+    world: SimulatedWorld,
+    brain: B,
     args: &SimArgs,
     output: Output,
 ) -> Result<(), CliError> {
-    let failed = |name: String| {
-        move |error: io::Error| {
-            CliError::new(
-                Exit::Port,
-                "port.offer",
-                format!("{name} cannot be offered: {error}"),
-                "choose another name or address",
-            )
-        }
-    };
-    match (&args.pty, &args.tcp) {
-        (Some(link), _) => {
-            let mut port = Pty::open(Some(link)).map_err(failed(link.display().to_string()))?;
-            output.say(&format!(
-                "simulated robot at {} ({}); Ctrl-C ends it",
-                link.display(),
-                port.device().display()
-            ));
-            run_until_interrupted(&mut simulation, &mut port)?;
-        }
-        (None, Some(address)) => {
-            let mut port = TcpPort::listen(address.as_str()).map_err(failed(address.clone()))?;
-            let address = port.address().map_err(failed(address.clone()))?;
-            output.say(&format!("simulated robot at tcp://{address}; Ctrl-C ends it"));
-            run_until_interrupted(&mut simulation, &mut port)?;
-        }
-        (None, None) => {
-            return Err(CliError::usage(
-                "where shall the robot be offered?",
-                "add --pty LINK or --tcp ADDR",
-            ));
+    let mut port = offer(args, output)?;
+    let failed = |error| CliError::new(Exit::Port, "port.failed", error, "start it again");
+    if let Some(address) = &args.lockstep {
+        let Some(physics) = accept(address, output)? else { return Ok(()) };
+        let step = Duration::from_secs_f64(args.step);
+        let mut base = Lockstep::new(brain, physics, step).map_err(failed)?;
+        let pacing = if args.fast { Pacing::Fast } else { Pacing::RealTime };
+        return lockstep::run(&mut base, &mut port, pacing, |_| !mission::interrupted())
+            .map_err(failed);
+    }
+    let base = BaseParameters::seeded(args.seed);
+    let mut simulation = world.with(brain, base);
+    realtime::run(&mut simulation, &mut port, |_| !mission::interrupted()).map_err(failed)?;
+    report(&simulation.truth(), output);
+    Ok(())
+}
+
+/// Opens what `args` ask for and says where it is.
+fn offer(args: &SimArgs, output: Output) -> Result<Box<dyn Port>, CliError> {
+    if let Some(address) = &args.tcp {
+        let port = TcpPort::listen(address.as_str());
+        let port = port.map_err(|error| cannot_offer(address, &error))?;
+        let address = port.address().map_err(|error| cannot_offer(address, &error))?;
+        output.say(&format!("simulated robot at tcp://{address}; Ctrl-C ends it"));
+        return Ok(Box::new(port));
+    }
+    match &args.pty {
+        Some(link) => offer_pty(link, output),
+        None => Err(CliError::usage("where shall the robot be?", "add --pty LINK or --tcp ADDR")),
+    }
+}
+
+#[cfg(unix)]
+fn offer_pty(link: &Path, output: Output) -> Result<Box<dyn Port>, CliError> {
+    let name = link.display().to_string();
+    let port = hil_sim::pty::Pty::open(Some(link)).map_err(|error| cannot_offer(&name, &error))?;
+    let device = port.device().display();
+    output.say(&format!("simulated robot at {name} ({device}); Ctrl-C ends it"));
+    Ok(Box::new(port))
+}
+
+#[cfg(not(unix))]
+fn offer_pty(_: &Path, _: Output) -> Result<Box<dyn Port>, CliError> {
+    Err(CliError::usage("this system has no pseudo-terminals", "use --tcp 127.0.0.1:7071"))
+}
+
+fn cannot_offer(name: &str, error: &io::Error) -> CliError {
+    let message = format!("{name} cannot be offered: {error}");
+    CliError::new(Exit::Port, "port.offer", message, "choose another name or address")
+}
+
+/// Waits for the physics to connect; `None` if Ctrl-C came first.
+fn accept(address: &str, output: Output) -> Result<Option<TcpStream>, CliError> {
+    let failed = |error: io::Error| cannot_offer(address, &error);
+    let listener = TcpListener::bind(address).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(failed)?;
+    let local = listener.local_addr().map_err(failed)?;
+    output.say(&format!("waiting for the physics at {local}"));
+    while !mission::interrupted() {
+        match listener.accept() {
+            Ok((stream, _)) => {
+                stream.set_nonblocking(false).map_err(failed)?;
+                return Ok(Some(stream));
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            Err(error) => return Err(failed(error)),
         }
     }
-    let truth = simulation.truth();
+    Ok(None)
+}
+
+fn report(truth: &Truth, output: Output) {
     let pose = Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading);
     let mut document = json!({"true_pose": pose});
     if let (Some(encounters), Some(fields)) = (truth.encounters, document.as_object_mut()) {
@@ -97,13 +144,4 @@ fn serve<B: Brain>(
         fields.insert("min_clearance".into(), json!(encounters.min_clearance));
     }
     output.result(&document, &format!("the robot ended at {}", place(pose)));
-    Ok(())
-}
-
-fn run_until_interrupted<B: Brain>(
-    simulation: &mut Simulation<B>,
-    port: &mut (impl Read + Write),
-) -> Result<(), CliError> {
-    realtime::run(simulation, port, |_| !mission::interrupted())
-        .map_err(|error| CliError::new(Exit::Port, "port.failed", error, "start it again"))
 }
