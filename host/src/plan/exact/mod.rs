@@ -10,6 +10,7 @@
 mod mesh;
 mod search;
 mod sweep;
+mod view;
 
 use super::box_index::BoxIndex;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};

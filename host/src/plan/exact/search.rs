@@ -12,6 +12,7 @@
 
 use super::super::ranked::Ranked;
 use super::mesh::{Mesh, NO_CORNER, Portal, PortalEnd};
+use super::view::{Ray, Sides, View, cross, dot, least_length, ray};
 use crate::grid::LatticePoint;
 use std::collections::BinaryHeap;
 
@@ -21,21 +22,6 @@ const START: u32 = u32::MAX;
 /// Two ways to one corner whose lengths differ by less than this part are equally good.
 const EQUAL: f64 = 1e-12;
 
-/// A direction, in units. Coordinates are at most 2^29, so that a difference fits.
-type Ray = (i32, i32);
-
-fn ray(from: LatticePoint, to: LatticePoint) -> Ray {
-    (to.x - from.x, to.y - from.y)
-}
-
-fn cross(a: Ray, b: Ray) -> i64 {
-    i64::from(a.0) * i64::from(b.1) - i64::from(a.1) * i64::from(b.0)
-}
-
-fn dot(a: Ray, b: Ray) -> i64 {
-    i64::from(a.0) * i64::from(b.0) + i64::from(a.1) * i64::from(b.1)
-}
-
 /// Where a cone begins: the start or a corner at which the way turned.
 #[derive(Clone, Copy, Debug)]
 struct Root {
@@ -44,17 +30,6 @@ struct Root {
     corner: u32,
     /// The length of the way up to here.
     length: f64,
-}
-
-/// What can be seen from a root through a portal.
-#[derive(Clone, Copy, Debug)]
-struct View {
-    /// The rays that bound the view.
-    right: Ray,
-    left: Ray,
-    /// Whether a ray passes exactly through the portal's right and left end.
-    right_at_end: bool,
-    left_at_end: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -178,45 +153,49 @@ impl Search {
     /// Adds the nodes behind the portals of the piece that `node` enters.
     fn expand(&mut self, mesh: &Mesh, node: &Node) {
         let entered = mesh.portal(node.portal as usize);
-        let (mut right_root, mut left_root) = (None, None);
-        if let Some(view) = &node.view {
-            if view.right_at_end {
-                right_root = self.turn_at(&node.root, &entered.right);
-            }
-            if view.left_at_end {
-                left_root = self.turn_at(&node.root, &entered.left);
-            }
-        }
+        let view = node.view.as_ref();
+        let right = view.filter(|view| view.right_at_end);
+        let right = right.and_then(|_| self.turn_at(&node.root, &entered.right));
+        let left = view.filter(|view| view.left_at_end);
+        let left = left.and_then(|_| self.turn_at(&node.root, &entered.left));
         for number in mesh.range(entered.beyond) {
             let portal = mesh.portal(number);
             let is_back = portal.right.at == entered.left.at && portal.left.at == entered.right.at;
             if is_back || (self.avoids_dead_ends && portal.is_dead_end) {
                 continue;
             }
-            let Some(view) = &node.view else {
+            let Some(view) = view else {
                 self.see(node.root, portal, number);
                 continue;
             };
             let sides = Sides::of(node.root.at, view, portal);
             self.look_through(&node.root, view, &sides, (portal, number));
-            if let Some(corner) = right_root {
-                let is_same_end = portal.right.at == corner.at;
-                if sides.right_of_right(is_same_end) {
-                    let right = ray(corner.at, portal.right.at);
-                    let whole = sides.left_end.0 <= 0;
-                    let left = if whole { ray(corner.at, portal.left.at) } else { view.right };
-                    self.see_between(corner, (portal, number), (right, left));
-                }
+            if let Some(corner) = right {
+                self.look_right(corner, view, &sides, (portal, number));
             }
-            if let Some(corner) = left_root {
-                let is_same_end = portal.left.at == corner.at;
-                if sides.left_of_left(is_same_end) {
-                    let left = ray(corner.at, portal.left.at);
-                    let whole = sides.right_end.1 >= 0;
-                    let right = if whole { ray(corner.at, portal.right.at) } else { view.left };
-                    self.see_between(corner, (portal, number), (right, left));
-                }
+            if let Some(corner) = left {
+                self.look_left(corner, view, &sides, (portal, number));
             }
+        }
+    }
+
+    /// Adds what of `portal` is seen only when the way turns right at `corner`.
+    fn look_right(&mut self, corner: Root, view: &View, sides: &Sides, portal: (&Portal, usize)) {
+        let (right, left) = (portal.0.right.at, portal.0.left.at);
+        if sides.right_of_right(right == corner.at) {
+            let is_whole = sides.left_end.0 <= 0;
+            let bound = if is_whole { ray(corner.at, left) } else { view.right };
+            self.see_between(corner, portal, (ray(corner.at, right), bound));
+        }
+    }
+
+    /// Adds what of `portal` is seen only when the way turns left at `corner`.
+    fn look_left(&mut self, corner: Root, view: &View, sides: &Sides, portal: (&Portal, usize)) {
+        let (right, left) = (portal.0.right.at, portal.0.left.at);
+        if sides.left_of_left(left == corner.at) {
+            let is_whole = sides.right_end.1 >= 0;
+            let bound = if is_whole { ray(corner.at, right) } else { view.left };
+            self.see_between(corner, portal, (bound, ray(corner.at, left)));
         }
     }
 
@@ -316,8 +295,10 @@ impl Search {
     /// Puts the nodes made last into the queue, those that cannot beat `best` left out.
     fn enqueue(&mut self, mesh: &Mesh, query: &Query, best: f64) {
         for node in &self.made {
-            let cost = node.root.length
-                + least_length(node, mesh.portal(node.portal as usize), query.goal);
+            let cost = node.root.length + {
+                let portal = mesh.portal(node.portal as usize);
+                least_length(node.root.at, node.view.as_ref(), portal, query.goal)
+            };
             if cost < best {
                 self.queue.push(Ranked { cost, index: self.nodes.len() });
                 self.nodes.push(*node);
@@ -354,67 +335,4 @@ fn straighten(points: &mut Vec<LatticePoint>) {
         kept.push(point);
     }
     *points = kept;
-}
-
-/// On which side of a view's rays the ends of a portal lie: the signs of cross products with the right
-/// and the left ray, positive to the left of the ray.
-struct Sides {
-    right_end: (i64, i64),
-    left_end: (i64, i64),
-}
-
-impl Sides {
-    fn of(root: LatticePoint, view: &View, portal: &Portal) -> Self {
-        let sides = |end: &PortalEnd| {
-            let towards = ray(root, end.at);
-            (cross(view.right, towards), cross(view.left, towards))
-        };
-        Self { right_end: sides(&portal.right), left_end: sides(&portal.left) }
-    }
-
-    /// Whether a part of the portal lies to the right of the right ray; `is_same_end` says that the
-    /// portal begins where that ray enters the piece.
-    fn right_of_right(&self, is_same_end: bool) -> bool {
-        self.right_end.0 < 0 || (is_same_end && self.left_end.0 < 0)
-    }
-
-    /// As [`Self::right_of_right`], mirrored.
-    fn left_of_left(&self, is_same_end: bool) -> bool {
-        self.left_end.1 > 0 || (is_same_end && self.right_end.1 > 0)
-    }
-}
-
-/// The least length from the root through what the node sees of `portal` to `goal`: a lower bound of
-/// the rest.
-fn least_length(node: &Node, portal: &Portal, goal: LatticePoint) -> f64 {
-    let float = |(x, y): Ray| (f64::from(x), f64::from(y));
-    let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
-    let root = node.root.at;
-    let target = float(ray(root, goal));
-    let Some(view) = &node.view else { return norm(target.0, target.1) };
-    let (u, w) = (float(ray(root, portal.right.at)), float(ray(root, portal.left.at)));
-    let along = (w.0 - u.0, w.1 - u.1);
-    // Seen from the portal's line, the root lies at −area and the goal at side.
-    let area = along.0 * u.1 - along.1 * u.0;
-    let side = along.0 * (target.1 - u.1) - along.1 * (target.0 - u.0);
-    let target = if side * area > 0.0 {
-        target
-    } else {
-        // On the root's own side of the portal the goal is as far as its mirror image.
-        let scale = 2.0 * side / (along.0 * along.0 + along.1 * along.1);
-        (target.0 + scale * along.1, target.1 - scale * along.0)
-    };
-    let meet = |(x, y): (f64, f64)| {
-        let scale = area / (along.0 * y - along.1 * x);
-        (x * scale, y * scale)
-    };
-    let by_way_of = |(x, y): (f64, f64)| norm(x, y) + norm(target.0 - x, target.1 - y);
-    let (right, left) = (float(view.right), float(view.left));
-    if right.0 * target.1 - right.1 * target.0 < 0.0 {
-        by_way_of(if view.right_at_end { u } else { meet(right) })
-    } else if left.0 * target.1 - left.1 * target.0 > 0.0 {
-        by_way_of(if view.left_at_end { w } else { meet(left) })
-    } else {
-        norm(target.0, target.1)
-    }
 }
