@@ -25,7 +25,9 @@ fn main() {
         growth::print();
         return;
     }
-    println!("| arena | N | what | first plan µs | build µs | repeated µs | length / exact max | failed | peak KiB |");
+    println!(
+        "| arena | N | what | first plan µs | build µs | repeated µs | length / exact max | failed | peak KiB |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for file in &files {
         let text = std::fs::read_to_string(file).expect("the arena can be read");
@@ -34,13 +36,19 @@ fn main() {
         let print = |what: &str, row: Row| {
             println!(
                 "| {name} | {} | {what} | {:.2} | {:.2} | {:.2} | {:.9} | {} | {} |",
-                scene.obstacles.len(), row.first, row.build, row.repeated, row.ratio, row.failed, row.memory / 1024
+                scene.obstacles.len(),
+                row.first,
+                row.build,
+                row.repeated,
+                row.ratio,
+                row.failed,
+                row.memory / 1024
             );
         };
         print("wmr exact", measure(&scene, |scene| Ours::new(scene)));
         print("polyanya, CDT", measure(&scene, |scene| peers::Crate::new(scene, false)));
         print("polyanya, CDT + merge", measure(&scene, |scene| peers::Crate::new(scene, true)));
-        if scene.obstacles.len() <= 1000 {
+        if scene.obstacles.len() <= 100 {
             print("pathfinding A*, 1 cm", measure(&scene, |scene| peers::Cells::new(scene)));
         }
     }
@@ -56,7 +64,8 @@ struct Ours<'a>(PreparedArena<'a>);
 
 impl<'a> Ours<'a> {
     fn new(scene: &'a Scene) -> Self {
-        static OPTIONS: std::sync::LazyLock<PlanOptions> = std::sync::LazyLock::new(PlanOptions::default);
+        static OPTIONS: std::sync::LazyLock<PlanOptions> =
+            std::sync::LazyLock::new(PlanOptions::default);
         Self(PreparedArena::new(scene, &OPTIONS).expect("the arena can be planned on"))
     }
 }
@@ -77,8 +86,11 @@ struct Row {
 }
 
 fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) -> Row {
-    let queries: Vec<_> =
-        scene.queries.iter().map(|q| (q.start.into(), q.goal.into(), q.length.unwrap_or(f64::NAN))).collect();
+    let queries: Vec<_> = scene
+        .queries
+        .iter()
+        .map(|q| (q.start.into(), q.goal.into(), q.length.unwrap_or(f64::NAN)))
+        .collect();
     let mut row = Row { first: 0.0, build: 0.0, repeated: 0.0, ratio: 0.0, failed: 0, memory: 0 };
     let (mut firsts, mut builds) = (Vec::new(), Vec::new());
     for &(start, goal, _) in &queries {
@@ -91,7 +103,9 @@ fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) ->
         row.memory = row.memory.max(memory::peak() - before);
     }
     let mut built = build(scene);
-    queries.iter().for_each(|&(start, goal, _)| drop(built.length(start, goal)));
+    queries.iter().for_each(|&(start, goal, _)| {
+        std::hint::black_box(built.length(start, goal));
+    });
     let mut repeated = Vec::new();
     for &(start, goal, exact) in &queries {
         let mut times = Vec::new();
@@ -107,7 +121,8 @@ fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) ->
         repeated.push(median(&mut times));
     }
     row.failed /= REPEATS;
-    (row.first, row.build, row.repeated) = (median(&mut firsts), median(&mut builds), median(&mut repeated));
+    (row.first, row.build, row.repeated) =
+        (median(&mut firsts), median(&mut builds), median(&mut repeated));
     row
 }
 

@@ -72,7 +72,8 @@ impl Cells {
         for y in 0..height {
             for x in 0..width {
                 let (px, py) = (centre(x), centre(y));
-                let within = inside.x0 <= px && px <= inside.x1 && inside.y0 <= py && py <= inside.y1;
+                let within =
+                    inside.x0 <= px && px <= inside.x1 && inside.y0 <= py && py <= inside.y1;
                 blocked[(y * width + x) as usize] = !within;
             }
         }
@@ -103,7 +104,8 @@ impl Measured for Cells {
         let next = |&(x, y): &(i32, i32)| {
             let mut steps = Vec::with_capacity(8);
             for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
-                let beside = dx == 0 || dy == 0 || (self.is_free(x + dx, y) && self.is_free(x, y + dy));
+                let beside =
+                    dx == 0 || dy == 0 || (self.is_free(x + dx, y) && self.is_free(x, y + dy));
                 if beside && self.is_free(x + dx, y + dy) {
                     let cost = if dx == 0 || dy == 0 { STRAIGHT } else { DIAGONAL };
                     steps.push(((x + dx, y + dy), cost));
