@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(error, expected);
         assert_eq!(
             error.to_string(),
-            "the goal (0.445, 0.5) m lies 2.0 by 57.5 cm inside obstacle 1 grown by the robot's \
+            "the goal (0.4450, 0.5000) m lies 2.0 by 57.5 cm inside obstacle 1 grown by the robot's \
              radius and margin; the nearest free point is (0.4250, 0.5000)"
         );
     }

@@ -31,7 +31,7 @@ pub enum PlanError {
     Grid(#[from] GridError),
     /// An end of the way is no point of the arena.
     #[error(
-        "the {end} ({}, {}) m lies outside the arena of {} × {} m; choose a point inside",
+        "the {end} ({:.4}, {:.4}) m lies outside the arena of {} × {} m; choose a point inside",
         .point.x, .point.y, .arena.width, .arena.height
     )]
     Outside {
@@ -61,7 +61,7 @@ pub enum PlanError {
         gap: Option<Gap>,
     },
     /// The independent test refused the path that the planner found.
-    #[error("the path found fails the safety test between ({}, {}) and ({}, {}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
+    #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
     Unsafe {
         /// Where the refused leg begins.
         from: Point,
@@ -126,7 +126,7 @@ fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>)
         Some(free) => format!("the nearest free point is ({:.4}, {:.4})", free.x, free.y),
         None => "no point of the arena is free".to_owned(),
     };
-    format!("the {end} ({}, {}) m {why}; {next}", point.x, point.y)
+    format!("the {end} ({:.4}, {:.4}) m {why}; {next}", point.x, point.y)
 }
 
 fn no_path_text(gap: &Option<Gap>) -> String {
