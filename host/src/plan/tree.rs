@@ -193,11 +193,15 @@ mod tests {
 
     #[test]
     fn a_bounded_tree_still_holds_the_shortest_branch_and_counts_what_it_cut() {
-        let small = tree(&FOUR, 1000);
-        assert!(small.cut > 0 && small.nodes.len() < 1010);
         let shortest = |tree: &PathTree| {
             tree.arrivals.iter().map(|&at| tree.nodes[at].length).fold(f64::INFINITY, f64::min)
         };
-        assert_eq!(shortest(&small), shortest(&tree(&FOUR, 50_000)));
+        let large = shortest(&tree(&FOUR, 50_000));
+        // The first limit is reached in the first round, the second one later.
+        for limit in [10, 2000] {
+            let small = tree(&FOUR, limit);
+            assert!(small.cut > 0, "nothing was cut at {limit}");
+            assert_eq!(shortest(&small), large);
+        }
     }
 }
