@@ -10,6 +10,8 @@ use host::link::mission::MissionError;
 use host::link::{LinkClient, LinkError};
 use protocol::message::{Board, Command, Reboot, Telemetry};
 use protocol::motion::{Leg, Pose, Timing};
+use protocol::parameters::Parameters;
+use protocol::units::Metres;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::io::{self, ErrorKind, Read, Write};
@@ -266,4 +268,19 @@ fn noise_on_both_ports_delays_no_tick() {
         assert!(period.abs_diff(POLL) < TICK_DELAY, "{period:?}");
     }
     assert!(ticks.len() >= 198, "{}", ticks.len());
+}
+
+#[test]
+fn saved_parameters_outlive_the_power() {
+    let (mut client, mut now) = (Spun::client(false), Duration::ZERO);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    let parameters = Parameters { track: Metres(0.1225), ..Parameters::default() };
+    assert!(client.send(Command::SetParameters(parameters)));
+    assert!(client.send(Command::SaveParameters));
+    Spun::turn(&mut client, 60, [0; 2], &mut now);
+    let mut port = client.into_port();
+    port.pico.reset().unwrap();
+    let mut client = LinkClient::new(port, 8);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    assert_eq!(client.robot().unwrap().limits.track, Metres(0.1225));
 }

@@ -16,25 +16,28 @@
 //! | 16 | 12 | right encoder A | encoder's channel A |
 //! | 17 | 13 | right encoder B | encoder's channel B |
 //! | 20 | 15 | tick | an oscilloscope: high while the control task works |
+//! | 31 | 26 | battery | middle of a divider, 2.2 kΩ to battery +, 1 kΩ to ground; may be left open |
 //! | – | 25 | LED | on the board: on while the firmware runs |
 //!
 //! A Pico and a Pico 2 have the same pins. If a wheel turns or counts the wrong way, change its
 //! `REVERSED` below instead of the wiring.
 
 use embassy_rp::Peri;
-use embassy_rp::gpio::{Level, Output, Pin};
+use embassy_rp::adc::{Adc, Blocking, Channel};
+use embassy_rp::gpio::{Level, Output, Pin, Pull};
 use embassy_rp::peripherals::{PIO0, UART0, USB};
 use embassy_rp::pio::Pio;
 use embassy_rp::pwm::Pwm;
 use embassy_rp::uart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_rp::watchdog::Watchdog;
-use embassy_rp::{bind_interrupts, clocks, pio, pwm, usb};
+use embassy_rp::{adc, bind_interrupts, clocks, pio, pwm, usb};
 use firmware::robot::Sensors;
 use protocol::message;
 use static_cell::StaticCell;
 
 use crate::encoders::{self, Encoder};
 use crate::motors::{Direction, Motors};
+use crate::store::Store;
 
 /// The chip this program was built for.
 #[cfg(target_abi = "eabihf")]
@@ -56,6 +59,13 @@ const PWM_FREQUENCY: u32 = 20_000;
 /// Bits a second of the serial link, 8N1.
 const UART_BAUD: u32 = 115_200;
 
+/// Battery volts at the top of the converter's range: 3.3 V times (2.2 kΩ + 1 kΩ) / 1 kΩ.
+const BATTERY_FULL_SCALE: f32 = 10.56;
+/// Readings of the 12-bit converter.
+const ADC_RANGE: f32 = 4096.0;
+/// Below this voltage no divider is fitted: the pin's own pull-down holds an open pin near zero.
+const BATTERY_ABSENT: f32 = 2.0;
+
 bind_interrupts!(pub(crate) struct Irqs {
     PIO0_IRQ_0 => pio::InterruptHandler<PIO0>;
     UART0_IRQ => BufferedInterruptHandler<UART0>;
@@ -67,15 +77,32 @@ pub(crate) struct Base {
     pub(crate) motors: Motors,
     left: Encoder<0>,
     right: Encoder<1>,
+    battery: Battery,
     /// High while the control task works.
     pub(crate) tick: Output<'static>,
 }
 
 impl Base {
-    /// Reads both encoders.
+    /// Reads both encoders and the battery.
     pub(crate) fn sense(&mut self) -> Sensors {
         let counts = [self.left.counts(), self.right.counts()];
-        Sensors { counts, ..Sensors::default() }
+        // The ticker makes up for a late tick, so none is ever missed.
+        Sensors { counts, battery: self.battery.volts(), missed_ticks: 0 }
+    }
+}
+
+/// The battery's voltage behind its divider.
+struct Battery {
+    converter: Adc<'static, Blocking>,
+    channel: Channel<'static>,
+}
+
+impl Battery {
+    /// Volts, or none where no divider is fitted.
+    fn volts(&mut self) -> Option<f32> {
+        let reading = self.converter.blocking_read(&mut self.channel).ok()?;
+        let volts = f32::from(reading) * (BATTERY_FULL_SCALE / ADC_RANGE);
+        (volts > BATTERY_ABSENT).then_some(volts)
     }
 }
 
@@ -85,6 +112,7 @@ pub(crate) struct Parts {
     pub(crate) uart: BufferedUart,
     pub(crate) usb: usb::Driver<'static, USB>,
     pub(crate) watchdog: Watchdog,
+    pub(crate) store: Store,
     pub(crate) led: Output<'static>,
 }
 
@@ -114,16 +142,22 @@ pub(crate) fn take() -> Parts {
     let left = Encoder::new(&mut common, sm0, &program, chip.PIN_10, chip.PIN_11, reversed_left);
     let right = Encoder::new(&mut common, sm1, &program, chip.PIN_12, chip.PIN_13, reversed_right);
 
+    let battery = Battery {
+        converter: Adc::new_blocking(chip.ADC, adc::Config::default()),
+        channel: Channel::new_pin(chip.PIN_26, Pull::Down),
+    };
+
     let mut line = uart::Config::default();
     line.baudrate = UART_BAUD;
     let (tx, rx) = (UART_TX.init([0; 32]), UART_RX.init([0; 256]));
     let uart = BufferedUart::new(chip.UART0, chip.PIN_0, chip.PIN_1, Irqs, tx, rx, line);
 
     Parts {
-        base: Base { motors, left, right, tick: low(chip.PIN_15) },
+        base: Base { motors, left, right, battery, tick: low(chip.PIN_15) },
         uart,
         usb: usb::Driver::new(chip.USB, Irqs),
         watchdog: Watchdog::new(chip.WATCHDOG),
+        store: Store::new(chip.FLASH),
         led: low(chip.PIN_25),
     }
 }

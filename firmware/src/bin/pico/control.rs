@@ -6,18 +6,22 @@ use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::{Duration, Ticker};
+use firmware::parameter_store::Slot;
 use firmware::parameters::Parameters;
 use firmware::robot::{Boot, Port, Robot};
 use protocol::message::Reboot;
 use protocol::motion::TICK_MILLISECONDS;
 
 use crate::board::{self, BOARD, Base};
+use crate::store::Store;
 use crate::{faults, link, log};
 
 /// The control period that [`Robot::tick`] counts on.
 const TICK: Duration = Duration::from_millis(TICK_MILLISECONDS as u64);
 /// The watchdog resets the chip when it has not been fed for this long.
 const WATCHDOG_TIMEOUT: Duration = Duration::from_millis(100);
+/// The watchdog's time while the flash is written.
+const SAVE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Ticks without a beat of the link task after which the watchdog goes unfed. With
 /// [`WATCHDOG_TIMEOUT`], a dead link task stops the motors within 150 ms.
 const LINK_PATIENCE: u32 = 8;
@@ -45,7 +49,7 @@ async fn main(threads: Spawner) {
     interrupt::USBCTRL_IRQ.set_priority(Priority::P2);
     let interrupts = EXECUTOR.start(interrupt::SWI_IRQ_1);
     if let (Ok(control), Ok(link)) =
-        (control(parts.base, boot, parts.watchdog), link::link(parts.uart, parts.usb))
+        (control(parts.base, parts.store, boot, parts.watchdog), link::link(parts.uart, parts.usb))
     {
         interrupts.spawn(control);
         threads.spawn(link);
@@ -57,8 +61,9 @@ async fn main(threads: Spawner) {
 
 /// Owns the robot, which is made here: several kilobytes that would otherwise lie on the stack too.
 #[embassy_executor::task]
-async fn control(mut base: Base, boot: Boot, mut watchdog: Watchdog) {
+async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Watchdog) {
     let mut robot = Robot::new(Parameters::default(), boot);
+    robot.restore([&store.read(Slot::A), &store.read(Slot::B)]);
     let mut ticker = Ticker::every(TICK);
     let mut silent_ticks = 0;
     loop {
@@ -75,6 +80,14 @@ async fn control(mut base: Base, boot: Boot, mut watchdog: Watchdog) {
         }
         if let Some(target) = actuation.reboot {
             restart(&mut base, &mut watchdog, target);
+        }
+
+        if let Some(steps) = actuation.save {
+            watchdog.feed(SAVE_TIMEOUT);
+            let written = store.save(steps, &robot.parameter_record());
+            robot.parameters_written(&written);
+            // The ticks of that time are not made up for: the wheels stood still.
+            ticker.reset();
         }
 
         silent_ticks = if link::alive() { 0 } else { silent_ticks + 1 };

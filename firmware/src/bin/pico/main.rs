@@ -28,6 +28,8 @@ mod log;
 mod log;
 #[cfg(target_os = "none")]
 mod motors;
+#[cfg(target_os = "none")]
+mod store;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
