@@ -24,7 +24,7 @@ const DEEPEST_SHADOW: f32 = -1.5;
 const SHADOW_CHROMA: f32 = 2.5;
 /// Shadow is at least this share of the floor, and its deepest part this share of its usual depth's cells.
 const LEAST_SHADOW: f64 = 0.0015;
-const DEEPER_SHARE: f64 = 0.35;
+const DEEPER_SHARE: f64 = 0.12;
 /// Soft shadow has all darknesses from lit floor on, each in at least this share of the most frequent;
 /// it is soft if these are this share of all that is dark.
 const GAP_SHARE: f64 = 0.08;

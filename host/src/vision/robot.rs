@@ -29,7 +29,7 @@ const LEAST_DIRECTIONS: u32 = 13;
 /// Centres that are looked at.
 const MOST_CENTRES: usize = 12;
 /// The share of the disc's variance that triangle and rest explain.
-const LEAST_EXPLAINED: f64 = 0.6;
+const LEAST_EXPLAINED: f64 = 0.42;
 /// Headings tried first.
 const HEADINGS: usize = 72;
 /// The least radius in cells at which a triangle can be made out.
