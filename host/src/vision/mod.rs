@@ -1,11 +1,12 @@
 //! Finds the arena, the obstacles and the robot in an overhead picture [Alghannam, Sec. II].
 //!
 //! ```text
-//! bytes ─► photo ─► lines ─► quads ─► border ─► plan map ─► look (floor model) ─► robot
-//!                                                              │
-//!                                            rectangles ◄──────┴─► paper steps (edges … borders)
-//!                                                │
-//!                                             sharpen ─► Detection: metres, with margins
+//! bytes ─► photo ─► lines ─► quads ─► border ─► plan map ─► look (floor, shadow) ─► robot
+//!                                        ▲                    │
+//!                          camera, corners                    ├─► paper steps (edges … borders) ─► rectangles
+//!                                                             └─► evidence ─► boxes (lean) ─► sharpen
+//!                                                                                               │
+//!                                                    Detection: metres, with margins ◄──────────┘
 //! ```
 //! [`detect`] is the whole flow; each of the paper's steps is a function of its own
 //! ([`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],

@@ -22,8 +22,9 @@ const REACH: f64 = 3.0;
 const SAMPLE_STEP: f64 = 0.25;
 /// The least number of places where an edge must be seen.
 const LEAST_PLACES: usize = 5;
-/// Edges this close to the arena's side lie on it, pixels.
+/// Edges this close to the arena's side, pixels or metres, lie on it: a gap as narrow leads nowhere.
 const WALL_PIXELS: f64 = 2.0;
+const WALL_METRES: f64 = 0.01;
 /// A seen edge is good to this many pixels, and this many metres for the map's own error.
 const SEEN_PIXELS: f64 = 0.5;
 const SEEN_METRES: f64 = 0.001;
@@ -89,7 +90,9 @@ impl Sharpener<'_> {
             self.far_edges(seen, foot, &mut edges, &mut margin);
             for side in 0..4 {
                 let scale = self.scale(edges.into(), side);
-                if let Some(wall) = wall(arena, side, edges[side], WALL_PIXELS / scale) {
+                if let Some(wall) =
+                    wall(arena, side, edges[side], WALL_METRES.max(WALL_PIXELS / scale))
+                {
                     edges[side] = wall;
                     margin[side] = SEEN_METRES;
                 }
