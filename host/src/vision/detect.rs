@@ -21,6 +21,9 @@ const PAPER_RADIUS: f64 = 0.075;
 /// Cells per metre of the paper's plan view, and the most cells along a side.
 const PAPER_SCALE: f64 = 300.0;
 const PAPER_CELLS: f64 = 1200.0;
+/// Shadow deeper than this looks like dark boxes, a floor that varies more hides boxes (logarithms).
+const DEEP_SHADOW: f32 = -0.75;
+const UNEVEN_FLOOR: f32 = 0.04;
 /// Without boxes, the robot's top this much larger than its disc tells that things lean.
 const LEANING_ROBOT: f64 = 1.03;
 /// The height of the robot's top above the floor, metres, if nobody says.
@@ -139,6 +142,7 @@ pub fn detect(
     let mut warnings = Vec::new();
     let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
+    warnings.extend(hard_floor(look.floor.spread[0], look.floor.shadow));
     let top = robot::find(photo, &map, &look, options.robot_radius);
     let steps = (options.keep_steps || options.method == Method::Paper)
         .then(|| steps(photo, &map, arena, options.robot_radius));
@@ -199,6 +203,22 @@ fn robot_lean(view: Viewpoint, options: &DetectOptions, seen: f64) -> f64 {
 /// The floor point under what appears at `point` on the robot's top.
 fn lowered(point: Point, foot: Point, lean: f64) -> Point {
     Point::new(foot.x + (point.x - foot.x) / lean, foot.y + (point.y - foot.y) / lean)
+}
+
+/// What to say about a floor on which boxes may hide: `spread` of its brightness and depth of shadow
+/// on it, natural logarithms.
+fn hard_floor(spread: f32, shadow: Option<f32>) -> Option<String> {
+    let deep = shadow.is_some_and(|depth| depth < DEEP_SHADOW);
+    let advice =
+        "boxes that look like floor or shadow may be missed or misplaced; check the obstacles";
+    (deep || spread > UNEVEN_FLOOR).then(|| {
+        let depth = f64::from(shadow.unwrap_or(0.0)).exp();
+        format!(
+            "the floor's brightness varies by {:.0} %, shadow leaves {:.0} % of it: {advice}",
+            100.0 * spread,
+            100.0 * depth
+        )
+    })
 }
 
 /// What to say about a border that fits badly.
