@@ -4,7 +4,7 @@ use host::geometry::Arena;
 use host::vision::{DetectOptions, Photo, decode, detect};
 use proptest::prelude::*;
 
-const FILE: &[u8] = include_bytes!("../../tests/fixtures/L1_d05_robot.png");
+const FILE: &[u8] = include_bytes!("../assets/demo.png");
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
