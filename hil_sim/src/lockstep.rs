@@ -8,6 +8,7 @@
 //! Time advances only by answers, so the physics may take as long as they like. Counts are absolute;
 //! the battery may be left out. Towards the host it is a port, as [`Simulation`](crate::simulation::Simulation) is.
 
+use crate::realtime::or_nothing;
 use crate::simulation::Brain;
 use serde_json::{Value, json};
 use std::collections::VecDeque;
@@ -149,16 +150,6 @@ pub fn run<B: Brain>(
         }
     }
     Ok(())
-}
-
-fn or_nothing(result: io::Result<usize>) -> io::Result<Option<usize>> {
-    match result {
-        Ok(length) => Ok(Some(length)),
-        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
-            Ok(None)
-        }
-        Err(error) => Err(error),
-    }
 }
 
 impl<B> Read for Lockstep<B> {

@@ -41,7 +41,8 @@ pub fn run<B: Brain>(
     Ok(())
 }
 
-fn or_nothing(result: io::Result<usize>) -> io::Result<Option<usize>> {
+/// The length that was read or written, or `None` if there is nothing to read or no room now.
+pub(crate) fn or_nothing(result: io::Result<usize>) -> io::Result<Option<usize>> {
     match result {
         Ok(length) => Ok(Some(length)),
         Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
