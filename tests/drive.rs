@@ -44,6 +44,23 @@ fn a_mission_ends_at_its_goal_whatever_the_motors() {
 }
 
 #[test]
+fn a_mission_begins_where_it_says_however_irregularly_the_host_looks() {
+    for seed in 0..300 {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let robot = simulated_robot(START, seed);
+        let (_, simulation) = drive(robot, legs(&LIMITS), START, 60, |client, _| {
+            // A busy computer: up to 250 ms between two looks while the plan is under way.
+            if client.port_mut().now() < Duration::from_secs(2) {
+                let pause = Duration::from_millis(random.u64(0..250));
+                client.port_mut().wait(pause).unwrap();
+            }
+        })
+        .unwrap();
+        assert_at_goal(simulation.truth().pose);
+    }
+}
+
+#[test]
 fn paper_legs_take_the_time_they_are_given() {
     let legs = legs(&LegOptions { timing: paper_timing(Seconds(12.0)), reverse: false });
     let (events, simulation) =

@@ -146,7 +146,8 @@ impl Mission {
             client.telemetry().filter(|telemetry| Some(telemetry.ticks) != self.ticks)
         {
             self.ticks = Some(telemetry.ticks);
-            if self.phase == Phase::Driving {
+            // Before the plan is accepted the robot does not know where it stands: the mission does.
+            if self.phase == Phase::Driving && self.accepted.is_some() {
                 self.progress.pose = telemetry.pose;
             }
             events.push(MissionEvent::Telemetry(*telemetry));
