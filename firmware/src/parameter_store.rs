@@ -120,9 +120,10 @@ fn encode(sequence: u32, parameters: &Parameters) -> [u8; RECORD_SIZE] {
     let header = MAGIC.to_le_bytes().into_iter().chain(LAYOUT.to_le_bytes()).chain(length);
     let body = header.chain(sequence.to_le_bytes()).chain(payload.iter().copied());
     record.iter_mut().zip(body).for_each(|(place, byte)| *place = byte);
-    let (body, rest) = record.split_at_mut(HEADER_SIZE + payload.len());
-    let crc = checksum(body).to_le_bytes();
-    rest.iter_mut().zip(crc).for_each(|(place, byte)| *place = byte);
+    if let Some((body, rest)) = record.split_at_mut_checked(HEADER_SIZE + payload.len()) {
+        let crc = checksum(body).to_le_bytes();
+        rest.iter_mut().zip(crc).for_each(|(place, byte)| *place = byte);
+    }
     record
 }
 
