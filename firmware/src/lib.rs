@@ -30,4 +30,5 @@ pub mod robot;
 pub mod signals;
 pub mod speed_limiter;
 pub mod tracker;
+mod version;
 pub mod wheel_loop;

@@ -63,14 +63,6 @@ pub enum VisionError {
         /// The least.
         needed: u8,
     },
-    /// Too much light.
-    #[error("the photo is overexposed: {:.0} % of the arena is saturated, at most {:.0} % can be read; expose shorter", 100.0 * .measured, 100.0 * .needed)]
-    Overexposed {
-        /// The saturated share, 0 to 1.
-        measured: f64,
-        /// The greatest share.
-        needed: f64,
-    },
     /// Dark and bright hardly differ.
     #[error(
         "the photo has no contrast: its strongest edges step by {measured:.1} of 255, at least {needed:.1} is needed; mark the border with dark tape, use better light"
@@ -79,16 +71,6 @@ pub enum VisionError {
         /// The 99.5th percentile of the edges' height, 0 to 255.
         measured: f64,
         /// The least.
-        needed: f64,
-    },
-    /// Edges are too wide.
-    #[error(
-        "the photo is blurred: its edges are {measured:.1} pixels wide, at most {needed:.1} can be read; focus, hold the camera still"
-    )]
-    Blurred {
-        /// The width of the border's edges, pixels.
-        measured: f64,
-        /// The greatest width.
         needed: f64,
     },
     /// No quadrilateral looks like the arena's border.
