@@ -19,7 +19,7 @@ use crate::battery::Battery;
 use crate::kinematics::BaseGeometry;
 use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
-use crate::odometry::Odometry;
+use crate::odometry::{Odometry, Rims};
 use crate::pace::Pace;
 use crate::parameters::Parameters;
 use crate::pose_history::PoseHistory;
@@ -27,13 +27,13 @@ use crate::progress::Progress;
 use crate::signals::{Event, Outcome, Sensors};
 use crate::speed_limiter::Command;
 use crate::tracker;
-use crate::wheel_loop::WheelLoop;
+use crate::wheel_loop::{WheelLoop, WheelModel};
 use protocol::message::{
     BatteryLevel, BatteryReport, Fault, PauseReason, Placement, PlanRefusal, PoseRefusal, State,
 };
 use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
 use protocol::parameters::ParameterRefusal;
-use protocol::units::{MetresPerSecond, RadiansPerSecond};
+use protocol::units::RadiansPerSecond;
 
 /// After the last leg the robot holds its goal for this long, ticks, so that the wheels come to rest
 /// where they should.
@@ -61,6 +61,9 @@ enum Activity {
 #[derive(Clone, Debug)]
 pub struct Controller {
     parameters: Parameters,
+    geometry: BaseGeometry,
+    rims: Rims,
+    wheel: WheelModel,
     queue: LegQueue,
     state: State,
     activity: Activity,
@@ -81,6 +84,9 @@ impl Controller {
         let counts = [0, 0];
         Self {
             parameters,
+            geometry: BaseGeometry::from(&parameters),
+            rims: Rims::from(&parameters),
+            wheel: WheelModel::from(&parameters),
             queue: LegQueue::default(),
             state: State::Idle,
             activity: Activity::Resting,
@@ -122,8 +128,7 @@ impl Controller {
 
     /// How fast the wheels turn, measured.
     pub fn wheel_speeds(&self) -> WheelSpeeds {
-        let [left, right] =
-            self.wheels.map(|wheel| wheel.speed(self.parameters.radians_per_count()));
+        let [left, right] = self.wheels.each_ref().map(|wheel| wheel.speed(&self.wheel));
         WheelSpeeds { left: RadiansPerSecond(left), right: RadiansPerSecond(right) }
     }
 
@@ -147,6 +152,9 @@ impl Controller {
         }
         parameters.check()?;
         self.parameters = parameters;
+        self.geometry = BaseGeometry::from(&parameters);
+        self.rims = Rims::from(&parameters);
+        self.wheel = WheelModel::from(&parameters);
         Ok(())
     }
 
@@ -247,7 +255,7 @@ impl Controller {
     /// One tick of 5 ms: takes in what is measured, gives the motors' duty and what came to an end.
     pub fn tick(&mut self, sensors: &Sensors) -> Outcome {
         self.counts = sensors.counts;
-        self.odometry.update(sensors.counts, &self.parameters);
+        self.odometry.update(sensors.counts, &self.rims);
         self.history.push(self.odometry.driven());
         let battery = self.heed_battery(sensors.battery);
         if sensors.missed_ticks > LATEST_TICKS && !self.is_at_rest() {
@@ -299,8 +307,11 @@ impl Controller {
     fn advance_leg(&mut self, pose: Pose) -> Option<Event> {
         let limits = self.parameters.limits();
         let Activity::Leg(mut runner) = self.activity else { return None };
-        let planned = runner.rim_motion(&limits);
-        self.pace = self.pace.towards(self.target_pace(), planned, limits.acceleration.0);
+        let target = self.target_pace();
+        if self.pace.value() != target {
+            let planned = runner.rim_motion(&limits);
+            self.pace = self.pace.towards(target, planned, limits.acceleration.0);
+        }
         let phases = self.pace.phases(self.command.share);
         if phases == 0 {
             if self.is_halted() {
@@ -356,11 +367,7 @@ impl Controller {
                 tracker::correct(Twist::default(), *goal, pose, gains)
             }
             Activity::Leg(runner) => {
-                let (Twist { linear, angular }, pace) = (runner.twist(), self.pace.value());
-                let planned = Twist {
-                    linear: MetresPerSecond(linear.0 * pace),
-                    angular: RadiansPerSecond(angular.0 * pace),
-                };
+                let planned = self.pace.scale(runner.twist());
                 tracker::correct(planned, runner.reference(), pose, gains)
             }
         }
@@ -372,11 +379,10 @@ impl Controller {
             self.wheels = self.counts.map(WheelLoop::new);
             return [0.0, 0.0];
         }
-        let geometry = BaseGeometry::from(&self.parameters);
         let limits = self.parameters.limits();
-        self.command = self.command.towards(self.wanted_twist(), &geometry, &limits);
+        self.command = self.command.towards(self.wanted_twist(), &self.geometry, &limits);
         let duty = self.drive_wheels();
-        let commanded = geometry.twist(self.command.wheels);
+        let commanded = self.geometry.twist(self.command.wheels);
         let gets_on = self.progress.update(commanded, self.odometry.pose(), limits.track);
         let fault = self.wheels.iter().find_map(WheelLoop::fault);
         if let Some(fault) = fault.or((!gets_on).then_some(Fault::NoProgress)) {
@@ -387,14 +393,12 @@ impl Controller {
     }
 
     fn drive_wheels(&mut self) -> [f32; 2] {
-        let scale = self.parameters.radians_per_count();
-        let gains = &self.parameters.wheel_loop;
         let WheelSpeeds { left, right } = self.command.wheels;
         let [left_wheel, right_wheel] = &mut self.wheels;
         let [left_count, right_count] = self.counts;
         [
-            left_wheel.tick(left.0, left_count, scale, gains),
-            right_wheel.tick(right.0, right_count, scale, gains),
+            left_wheel.tick(left.0, left_count, &self.wheel),
+            right_wheel.tick(right.0, right_count, &self.wheel),
         ]
     }
 }

@@ -15,31 +15,61 @@
 use protocol::motion::{Twist, WheelSpeeds};
 use protocol::units::{Metres, MetresPerSecond, RadiansPerSecond};
 
-/// The lengths that tie wheels to body.
+/// The lengths that tie wheels to body, with the reciprocals by which a control tick multiplies: on a
+/// processor without floating point a division costs half as much again as a product.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseGeometry {
-    /// r.
-    pub wheel_radius: Metres,
-    /// ρ.
-    pub wheel_ratio: f32,
-    /// b.
-    pub track: Metres,
+    /// rL and rR, m.
+    radii: [f32; 2],
+    /// 1/rL and 1/rR, 1/m.
+    per_radius: [f32; 2],
+    /// b/2, m.
+    half_track: f32,
+    /// 1/b, 1/m.
+    per_track: f32,
 }
 
 impl BaseGeometry {
+    /// The geometry for r, ρ and b.
+    pub fn new(wheel_radius: Metres, wheel_ratio: f32, track: Metres) -> Self {
+        let left = 2.0 * wheel_radius.0 / (1.0 + wheel_ratio);
+        let radii = [left, left * wheel_ratio];
+        Self {
+            radii,
+            per_radius: radii.map(f32::recip),
+            half_track: track.0 / 2.0,
+            per_track: track.0.recip(),
+        }
+    }
+
     /// rL and rR.
     pub fn radii(&self) -> [Metres; 2] {
-        let left = 2.0 * self.wheel_radius.0 / (1.0 + self.wheel_ratio);
-        [Metres(left), Metres(left * self.wheel_ratio)]
+        self.radii.map(Metres)
+    }
+
+    /// The angular velocity of each wheel whose rim moves at `speeds`, rad/s.
+    pub fn turning(&self, speeds: [MetresPerSecond; 2]) -> WheelSpeeds {
+        let [left, right] = speeds;
+        let [per_left, per_right] = self.per_radius;
+        WheelSpeeds {
+            left: RadiansPerSecond(left.0 * per_left),
+            right: RadiansPerSecond(right.0 * per_right),
+        }
+    }
+
+    /// How fast the rims move where the base moves with `twist`: u1 ∓ u2 b/2.
+    pub fn rims(&self, twist: Twist) -> [MetresPerSecond; 2] {
+        let (u1, spread) = (twist.linear.0, twist.angular.0 * self.half_track);
+        [MetresPerSecond(u1 - spread), MetresPerSecond(u1 + spread)]
     }
 
     /// u1 = (rR φ̇R + rL φ̇L)/2, u2 = (rR φ̇R - rL φ̇L)/b.
     pub fn twist(&self, wheels: WheelSpeeds) -> Twist {
-        let [radius_left, radius_right] = self.radii();
-        let (left, right) = (radius_left.0 * wheels.left.0, radius_right.0 * wheels.right.0);
+        let [radius_left, radius_right] = self.radii;
+        let (left, right) = (radius_left * wheels.left.0, radius_right * wheels.right.0);
         Twist {
-            linear: MetresPerSecond((right + left) / 2.0),
-            angular: RadiansPerSecond((right - left) / self.track.0),
+            linear: MetresPerSecond((right + left) * 0.5),
+            angular: RadiansPerSecond((right - left) * self.per_track),
         }
     }
 
@@ -48,18 +78,13 @@ impl BaseGeometry {
     /// ```
     /// use firmware::kinematics::BaseGeometry;
     /// use protocol::{motion::Twist, units::*};
-    /// let base = BaseGeometry { wheel_radius: Metres(0.05), wheel_ratio: 1.0, track: Metres(0.2) };
+    /// let base = BaseGeometry::new(Metres(0.05), 1.0, Metres(0.2));
     /// let twist = Twist { linear: MetresPerSecond(0.5), angular: RadiansPerSecond(1.0) };
     /// let wheels = base.wheel_speeds(twist);
     /// assert!((wheels.left.0 - 8.0).abs() < 1e-5 && (wheels.right.0 - 12.0).abs() < 1e-5);
     /// ```
     pub fn wheel_speeds(&self, twist: Twist) -> WheelSpeeds {
-        let [radius_left, radius_right] = self.radii();
-        let (u1, spread) = (twist.linear.0, twist.angular.0 * self.track.0 / 2.0);
-        WheelSpeeds {
-            left: RadiansPerSecond((u1 - spread) / radius_left.0),
-            right: RadiansPerSecond((u1 + spread) / radius_right.0),
-        }
+        self.turning(self.rims(twist))
     }
 }
 
@@ -68,13 +93,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const BASE: BaseGeometry =
-        BaseGeometry { wheel_radius: Metres(0.05), wheel_ratio: 1.0, track: Metres(0.2) };
+    fn base(wheel_ratio: f32) -> BaseGeometry {
+        BaseGeometry::new(Metres(0.05), wheel_ratio, Metres(0.2))
+    }
 
     #[test]
     fn equation_4_by_hand() {
         let wheels = WheelSpeeds { left: RadiansPerSecond(8.0), right: RadiansPerSecond(12.0) };
-        let twist = BASE.twist(wheels);
+        let twist = base(1.0).twist(wheels);
         assert!((twist.linear.0 - 0.5).abs() < 1e-6);
         assert!((twist.angular.0 - 1.0).abs() < 1e-6);
     }
@@ -82,9 +108,8 @@ mod tests {
     #[test]
     fn a_larger_right_wheel_turns_left_by_hand() {
         // ρ = 1.5: rL = 0.04 m, rR = 0.06 m; at 10 rad/s 0.5 m/s and (0.6 - 0.4)/0.2 = 1 rad/s.
-        let base = BaseGeometry { wheel_ratio: 1.5, ..BASE };
         let wheels = WheelSpeeds { left: RadiansPerSecond(10.0), right: RadiansPerSecond(10.0) };
-        let twist = base.twist(wheels);
+        let twist = base(1.5).twist(wheels);
         assert!((twist.linear.0 - 0.5).abs() < 1e-6);
         assert!((twist.angular.0 - 1.0).abs() < 1e-6);
     }
@@ -93,7 +118,7 @@ mod tests {
         #[test]
         fn there_and_back(left in -20.0f32..20.0, right in -20.0f32..20.0, wheel_ratio in 0.9f32..1.1) {
             let wheels = WheelSpeeds { left: RadiansPerSecond(left), right: RadiansPerSecond(right) };
-            let base = BaseGeometry { wheel_ratio, ..BASE };
+            let base = base(wheel_ratio);
             let back = base.wheel_speeds(base.twist(wheels));
             // Two products and a sum of numbers up to 20, in f32.
             prop_assert!((back.left.0 - left).abs() < 2e-5 && (back.right.0 - right).abs() < 2e-5);

@@ -120,7 +120,7 @@ impl LinkEnd {
     /// Writes the next frame that is due; 0 if none is.
     pub(crate) fn transmit(
         &mut self,
-        telemetry: Telemetry,
+        telemetry: impl FnOnce() -> Telemetry,
         driven: Option<Driven>,
         now: Milliseconds,
         out: &mut [u8],
@@ -143,7 +143,7 @@ impl LinkEnd {
         }
         if now.since(self.telemetry_sent) >= TELEMETRY_MILLISECONDS {
             self.telemetry_sent = now;
-            return session.write_unreliable(&Report::Telemetry(telemetry), out);
+            return session.write_unreliable(&Report::Telemetry(telemetry()), out);
         }
         if session.ack_due() {
             return session.write_unreliable(&echo, out);

@@ -65,15 +65,14 @@ impl Odometry {
     }
 
     /// Takes in the encoders' counts (left, right) of this tick; they may wrap around.
-    pub fn update(&mut self, counts: [i32; 2], parameters: &Parameters) {
-        let rims = Rims::new(parameters);
+    pub fn update(&mut self, counts: [i32; 2], rims: &Rims) {
         let heading = self.heading_origin.0 + rims.turn(since(counts, self.counts_origin));
         let moved = since(counts, self.counts);
         self.counts = counts;
 
         let (s, delta) = (rims.path(moved), rims.turn(moved));
         // sin(Δ/2)/(Δ/2) to fourth order; one tick turns by far less than 0.1 rad.
-        let chord = s * (1.0 - delta * delta / 24.0);
+        let chord = s * (1.0 - delta * delta * (1.0 / 24.0));
         let (sin, cos) = sin_cos(heading - delta / 2.0);
         self.driven = Pose {
             x: Metres(self.driven.x.0 + chord * cos),
@@ -88,33 +87,41 @@ fn since([left, right]: [i32; 2], [old_left, old_right]: [i32; 2]) -> [i32; 2] {
     [left.wrapping_sub(old_left), right.wrapping_sub(old_right)]
 }
 
-/// What the wheels' counts mean on the floor.
-struct Rims {
-    /// Travel of a rim a count: the mean of both wheels, and by how much the right one exceeds the left.
+/// What the wheels' counts mean on the floor: how far the rims run for the counts of one tick, and by
+/// how much the base turns.
+///
+/// With n = left + right and m = right − left counts, of which each runs ℓL or ℓR metres:
+/// s = (ℓL + ℓR) n/4 + (ℓR − ℓL) m/4, Δ = (ℓL + ℓR) m/2b + (ℓR − ℓL) n/2b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rims {
+    /// (ℓL + ℓR)/4 and (ℓR − ℓL)/4, m.
     mean: f32,
     excess: f32,
-    track: f32,
+    /// 2/b, 1/m.
+    per_half_track: f32,
+}
+
+impl From<&Parameters> for Rims {
+    fn from(parameters: &Parameters) -> Self {
+        let [left, right] = BaseGeometry::from(parameters).radii();
+        let quarter = parameters.radians_per_count() / 4.0;
+        Self {
+            mean: (left.0 + right.0) * quarter,
+            excess: (right.0 - left.0) * quarter,
+            per_half_track: 2.0 / parameters.track.0,
+        }
+    }
 }
 
 impl Rims {
-    fn new(parameters: &Parameters) -> Self {
-        let [left, right] = BaseGeometry::from(parameters).radii();
-        let radians = parameters.radians_per_count();
-        Self {
-            mean: (left.0 + right.0) / 2.0 * radians,
-            excess: (right.0 - left.0) * radians,
-            track: parameters.track.0,
-        }
-    }
-
     fn path(&self, [left, right]: [i32; 2]) -> f32 {
         let (sum, spread) = (left.wrapping_add(right) as f32, right.wrapping_sub(left) as f32);
-        self.mean * sum / 2.0 + self.excess * spread / 4.0
+        self.mean * sum + self.excess * spread
     }
 
     fn turn(&self, [left, right]: [i32; 2]) -> f32 {
         let (sum, spread) = (left.wrapping_add(right) as f32, right.wrapping_sub(left) as f32);
-        (self.mean * spread + self.excess * sum / 2.0) / self.track
+        (self.mean * spread + self.excess * sum) * self.per_half_track
     }
 }
 
@@ -125,11 +132,11 @@ mod tests {
 
     #[test]
     fn a_quarter_turn_on_the_spot_by_hand() {
-        let parameters = Parameters::default();
+        let rims = Rims::from(&Parameters::default());
         // Each rim runs b/2 · π/2: 0.06 · π/2 / (0.035 · 2π / 1440) counts = 617.14.
         let mut odometry = Odometry::new(Pose::default(), [0, 0]);
         for tick in 1..=617 {
-            odometry.update([-tick, tick], &parameters);
+            odometry.update([-tick, tick], &rims);
         }
         assert!((odometry.pose().heading.0 - FRAC_PI_2).abs() < 1e-3);
         assert_eq!(odometry.pose().x, Metres(0.0));
@@ -138,22 +145,24 @@ mod tests {
     #[test]
     fn what_was_driven_since_the_exposure_is_kept() {
         let parameters = Parameters::default();
+        let rims = Rims::from(&parameters);
         let mut odometry = Odometry::new(Pose::new(1.0, 1.0, 0.0), [0, 0]);
         let exposure = odometry.driven();
-        odometry.update([100, 100], &parameters);
+        odometry.update([100, 100], &rims);
         // The camera saw the robot 1 m further and looking along +y; since then it drove 100 counts.
         odometry.correct(Pose::new(2.0, 1.0, FRAC_PI_2), exposure);
         let way = 100.0 * parameters.radians_per_count() * 0.035;
         let near =
             |pose: Pose, y: f32| (pose.x.0 - 2.0).abs() < 1e-6 && (pose.y.0 - y).abs() < 1e-6;
         assert!(near(odometry.pose(), 1.0 + way), "{:?}", odometry.pose());
-        odometry.update([200, 200], &parameters);
+        odometry.update([200, 200], &rims);
         assert!(near(odometry.pose(), 1.0 + 2.0 * way), "{:?}", odometry.pose());
     }
 
     #[test]
     fn a_full_circle_of_arcs_closes() {
         let parameters = Parameters::default();
+        let rims = Rims::from(&parameters);
         let mut odometry = Odometry::new(Pose::default(), [i32::MAX - 100, i32::MAX - 100]);
         let (mut left, mut right) = (i32::MAX - 100, i32::MAX - 100);
         // Left 1, right 3 counts a tick: a circle of radius b (1 + 3)/(3 - 1)/2 = 0.12 m, through the wrap.
@@ -161,7 +170,7 @@ mod tests {
         let ticks = (2.0 * PI / per_tick).round() as i32;
         for tick in 0..ticks {
             (left, right) = (left.wrapping_add(1), right.wrapping_add(3));
-            odometry.update([left, right], &parameters);
+            odometry.update([left, right], &rims);
             if tick == ticks / 2 {
                 assert!((odometry.pose().y.0 - 0.24).abs() < 1e-4);
             }

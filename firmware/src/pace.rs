@@ -9,7 +9,8 @@
 //! | v, a | planned speed and acceleration of the faster rim | m/s, m/s² |
 //! | A | the rims' acceleration limit | m/s² |
 
-use protocol::motion::{PHASES_PER_TICK, TICK};
+use protocol::motion::{PHASES_PER_TICK, TICK, Twist};
+use protocol::units::{MetresPerSecond, RadiansPerSecond};
 
 /// Below this planned rim speed the pace may change as it likes: nothing moves, m/s.
 const CREEP: f32 = 0.005;
@@ -25,6 +26,14 @@ impl Pace {
     /// σ.
     pub fn value(self) -> f32 {
         self.0
+    }
+
+    /// The twist at this pace of what is planned as `planned`.
+    pub fn scale(self, planned: Twist) -> Twist {
+        Twist {
+            linear: MetresPerSecond(planned.linear.0 * self.0),
+            angular: RadiansPerSecond(planned.angular.0 * self.0),
+        }
     }
 
     /// How many phases a tick is at this pace, if the wheels manage `share` of what is wanted of them.

@@ -8,10 +8,6 @@ pub use protocol::parameters::Parameters;
 
 impl From<&Parameters> for BaseGeometry {
     fn from(parameters: &Parameters) -> Self {
-        Self {
-            wheel_radius: parameters.wheel_radius,
-            wheel_ratio: parameters.wheel_ratio,
-            track: parameters.track,
-        }
+        Self::new(parameters.wheel_radius, parameters.wheel_ratio, parameters.track)
     }
 }

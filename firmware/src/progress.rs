@@ -4,11 +4,6 @@
 //! robot stands. Over each half second the way commanded is compared with the way that the pose
 //! estimate, corrections included, has gone: less than a fifth is no progress. Every camera of 2 Hz
 //! and more is thus enough, and a robot without one is never accused.
-//!
-//! | symbol | meaning | unit |
-//! |---|---|---|
-//! | s, Δ | way and turn commanded since the window began | m, rad |
-//! | b | track | m |
 
 use protocol::motion::{Pose, Position, TICK, Twist};
 use protocol::units::{Metres, Radians};
@@ -24,28 +19,29 @@ const LEAST_WAY: f32 = 0.02;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     ticks: u32,
-    s: f32,
-    delta: f32,
+    /// Sums over the window's ticks, m/s and rad/s.
+    linear: f32,
+    angular: f32,
     from: Pose,
 }
 
 impl Progress {
     /// A window that begins at `pose`.
     pub fn new(pose: Pose) -> Self {
-        Self { ticks: 0, s: 0.0, delta: 0.0, from: pose }
+        Self { ticks: 0, linear: 0.0, angular: 0.0, from: pose }
     }
 
     /// Takes in what this tick commands and where the robot is; false if a window has ended in
     /// which it got nowhere.
     pub fn update(&mut self, commanded: Twist, pose: Pose, track: Metres) -> bool {
         self.ticks += 1;
-        self.s += commanded.linear.0 * TICK.0;
-        self.delta += commanded.angular.0 * TICK.0;
+        self.linear += commanded.linear.0;
+        self.angular += commanded.angular.0;
         if self.ticks < WINDOW {
             return true;
         }
         let rim = |way: f32, turn: f32| way.abs() + turn.abs() * track.0 / 2.0;
-        let expected = rim(self.s, self.delta);
+        let expected = rim(self.linear * TICK.0, self.angular * TICK.0);
         let way = self.from.distance(Position { x: pose.x, y: pose.y });
         let turn = Radians(pose.heading.0 - self.from.heading.0).wrapped();
         *self = Self::new(pose);

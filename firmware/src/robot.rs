@@ -196,9 +196,14 @@ impl Robot {
     /// `out` must have [`MAX_FRAME`](protocol::frame::MAX_FRAME) bytes; a frame that does not fit is
     /// not written.
     pub fn transmit(&mut self, port: Port, out: &mut [u8]) -> usize {
-        let (telemetry, now) = (self.telemetry(), self.now());
+        let now = self.now();
         let driven = self.controller.queue().driven();
-        self.link(port).transmit(telemetry, driven, now, out)
+        let Self { controller, usb, uart, ticks, .. } = self;
+        let telemetry = || telemetry(controller, *ticks);
+        match port {
+            Port::Usb => usb.transmit(telemetry, driven, now, out),
+            Port::Uart => uart.transmit(telemetry, driven, now, out),
+        }
     }
 
     /// Asks for a restart, as a command from the host does: [`Robot::tick`] grants it at rest.
@@ -405,16 +410,6 @@ impl Robot {
         self.answers.front().copied().or_else(result).or(self.plan_end)
     }
 
-    fn telemetry(&self) -> Telemetry {
-        Telemetry {
-            ticks: self.ticks,
-            pose: self.controller.pose(),
-            wheels: self.controller.wheel_speeds(),
-            state: self.controller.state(),
-            leg: self.controller.leg(),
-        }
-    }
-
     fn link(&mut self, port: Port) -> &mut LinkEnd {
         match port {
             Port::Usb => &mut self.usb,
@@ -424,5 +419,15 @@ impl Robot {
 
     fn now(&self) -> Milliseconds {
         Milliseconds(self.ticks.wrapping_mul(TICK_MILLISECONDS))
+    }
+}
+
+fn telemetry(controller: &Controller, ticks: u32) -> Telemetry {
+    Telemetry {
+        ticks,
+        pose: controller.pose(),
+        wheels: controller.wheel_speeds(),
+        state: controller.state(),
+        leg: controller.leg(),
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::kinematics::BaseGeometry;
 use protocol::motion::{Limits, TICK, Twist, WheelSpeeds};
-use protocol::units::{Metres, RadiansPerSecond};
+use protocol::units::{MetresPerSecond, RadiansPerSecond};
 
 /// The speeds commanded, and how much of the wanted ones they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,17 +36,18 @@ impl Command {
     /// assert_eq!(next.share, 0.5);
     /// ```
     pub fn towards(&self, wanted: Twist, geometry: &BaseGeometry, limits: &Limits) -> Self {
-        let [left_radius, right_radius] = geometry.radii();
-        let WheelSpeeds { left, right } = geometry.wheel_speeds(wanted);
-        let fastest = (left.0 * left_radius.0).abs().max((right.0 * right_radius.0).abs());
-        let share = limits.speed.0 / fastest.max(limits.speed.0);
-        let step = |wanted: f32, last: f32, radius: Metres| {
-            let change = limits.acceleration.0 / radius.0 * TICK.0;
-            RadiansPerSecond(last + (wanted * share - last).clamp(-change, change))
+        let [left, right] = geometry.rims(wanted).map(|speed| speed.0);
+        let fastest = left.abs().max(right.abs());
+        let share = if fastest > limits.speed.0 { limits.speed.0 / fastest } else { 1.0 };
+        let wanted = geometry.turning([left, right].map(|speed| MetresPerSecond(speed * share)));
+        let change = MetresPerSecond(limits.acceleration.0 * TICK.0);
+        let change = geometry.turning([change; 2]);
+        let step = |wanted: RadiansPerSecond, last: RadiansPerSecond, change: RadiansPerSecond| {
+            RadiansPerSecond(last.0 + (wanted.0 - last.0).clamp(-change.0, change.0))
         };
         let wheels = WheelSpeeds {
-            left: step(left.0, self.wheels.left.0, left_radius),
-            right: step(right.0, self.wheels.right.0, right_radius),
+            left: step(wanted.left, self.wheels.left, change.left),
+            right: step(wanted.right, self.wheels.right, change.right),
         };
         Self { wheels, share }
     }
@@ -57,7 +58,6 @@ mod tests {
     use super::*;
     use crate::parameters::Parameters;
     use proptest::prelude::*;
-    use protocol::units::MetresPerSecond;
 
     proptest! {
         #[test]

@@ -16,7 +16,7 @@
 
 use protocol::message::Fault;
 use protocol::motion::TICK;
-use protocol::parameters::WheelLoopGains;
+use protocol::parameters::Parameters;
 
 /// The lag at which the wheel counts as blocked, radians: 14 mm of a 35 mm wheel's rim.
 const LARGEST_LAG: f32 = 0.4;
@@ -51,6 +51,45 @@ const BACKWARD_TICKS: u32 = 20;
 /// No motor turns a wheel by more than this many times its no-load speed, downhill included.
 const LARGEST_OVERSPEED: f32 = 2.0;
 
+/// A wheel's numbers in the form in which the loop multiplies by them, computed once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelModel {
+    /// Angle of one encoder count, rad.
+    radians_per_count: f32,
+    /// Speed of one count in the window of the measurement, rad/s.
+    speed_per_count: f32,
+    /// 1/ω0, s/rad.
+    duty_per_speed: f32,
+    /// τ/ω0 over one tick, s/rad.
+    duty_per_change: f32,
+    /// k_v, s/rad.
+    velocity_gain: f32,
+    /// k_i, 1/rad.
+    angle_gain: f32,
+    breakaway_duty: f32,
+    /// The most counts that a tick may bring.
+    largest_leap: u32,
+}
+
+impl From<&Parameters> for WheelModel {
+    fn from(parameters: &Parameters) -> Self {
+        let gains = &parameters.wheel_loop;
+        let radians_per_count = parameters.radians_per_count();
+        // The largest leap is one of a tick, and a late tick may have seen the way of four.
+        let largest = 4.0 * LARGEST_OVERSPEED * gains.no_load_speed * TICK.0;
+        Self {
+            radians_per_count,
+            speed_per_count: radians_per_count / (SPEED_TICKS as f32 * TICK.0),
+            duty_per_speed: 1.0 / gains.no_load_speed,
+            duty_per_change: gains.time_constant / gains.no_load_speed / TICK.0,
+            velocity_gain: gains.velocity_gain,
+            angle_gain: gains.angle_gain,
+            breakaway_duty: gains.breakaway_duty,
+            largest_leap: (largest / radians_per_count) as u32,
+        }
+    }
+}
+
 /// What one wheel's loop remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelLoop {
@@ -80,10 +119,9 @@ impl WheelLoop {
     }
 
     /// The wheel's measured speed, rad/s.
-    pub fn speed(&self, radians_per_count: f32) -> f32 {
+    pub fn speed(&self, model: &WheelModel) -> f32 {
         let oldest = self.recent.first().copied().unwrap_or(self.count);
-        let counts = self.count.wrapping_sub(oldest);
-        counts as f32 * radians_per_count / (SPEED_TICKS as f32 * TICK.0)
+        self.count.wrapping_sub(oldest) as f32 * model.speed_per_count
     }
 
     /// What is wrong with the wheel, if anything: it stalls, or its encoder tells the impossible.
@@ -98,44 +136,44 @@ impl WheelLoop {
     }
 
     /// One tick: the duty in -1..=1 for `wanted` rad/s, with the encoder at `count`.
-    pub fn tick(
-        &mut self,
-        wanted: f32,
-        count: i32,
-        radians_per_count: f32,
-        gains: &WheelLoopGains,
-    ) -> f32 {
-        let moved = count.wrapping_sub(self.count) as f32 * radians_per_count;
+    pub fn tick(&mut self, wanted: f32, count: i32, model: &WheelModel) -> f32 {
+        let counts = count.wrapping_sub(self.count);
         self.recent.rotate_left(1);
         if let Some(newest) = self.recent.last_mut() {
             *newest = self.count;
         }
         self.count = count;
+        self.leapt |= counts.unsigned_abs() > model.largest_leap;
         // The speed wanted until now was to be reached in this tick; half of each tick counts.
-        self.lag += (wanted + self.wanted) / 2.0 * TICK.0 - moved;
+        let due = (wanted + self.wanted) * (TICK.0 / 2.0);
+        self.lag += due - counts as f32 * model.radians_per_count;
         let lag = self.lag.clamp(-LARGEST_LAG, LARGEST_LAG);
         self.lagging_ticks = counted(lag != self.lag, self.lagging_ticks);
         self.lag = lag;
-        // The largest leap is one of a tick, and a late tick may have seen the way of four.
-        self.leapt |= moved.abs() > 4.0 * LARGEST_OVERSPEED * gains.no_load_speed * TICK.0;
-        let acceleration = (wanted - self.wanted) / TICK.0;
+        let feed_forward = wanted * model.duty_per_speed
+            + (wanted - self.wanted) * model.duty_per_change
+            + model.friction(wanted);
         self.wanted = wanted;
-        let feed_forward = (wanted + gains.time_constant * acceleration) / gains.no_load_speed
-            + friction(wanted, gains);
-        let speed = self.speed(radians_per_count);
-        let correction = gains.velocity_gain * (wanted - speed) + gains.angle_gain * lag;
+        let speed = self.speed(model);
+        let correction = model.velocity_gain * (wanted - speed) + model.angle_gain * lag;
         let duty = (feed_forward + correction).clamp(-1.0, 1.0);
         self.watch(speed, duty);
         duty
     }
 
     fn watch(&mut self, speed: f32, duty: f32) {
-        let (ahead, drive) = (speed * self.wanted.signum(), duty * self.wanted.signum());
-        let wanted = self.wanted.abs();
+        let along = |value: f32| if self.wanted.is_sign_negative() { -value } else { value };
+        let (ahead, drive, wanted) = (along(speed), along(duty), self.wanted.abs());
         let stands = wanted > SLOWEST_WATCHED && ahead < STANDING_SHARE * wanted;
         self.standing_ticks = counted(stands, self.standing_ticks);
         let backward = ahead < -BACKWARD_SPEED && drive > DRIVING_DUTY;
         self.backward_ticks = counted(backward, self.backward_ticks);
+    }
+}
+
+impl WheelModel {
+    fn friction(&self, wanted: f32) -> f32 {
+        if wanted.abs() < REST_SPEED { 0.0 } else { self.breakaway_duty.copysign(wanted) }
     }
 }
 
@@ -144,24 +182,22 @@ fn counted(so: bool, ticks: u32) -> u32 {
     if so { ticks.saturating_add(1) } else { 0 }
 }
 
-fn friction(wanted: f32, gains: &WheelLoopGains) -> f32 {
-    if wanted.abs() < REST_SPEED { 0.0 } else { gains.breakaway_duty.copysign(wanted) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protocol::parameters::WheelLoopGains;
 
     const RADIANS_PER_COUNT: f32 = core::f32::consts::TAU / 1440.0;
 
     /// A motor of its own: τ ω̇ = ω0 duty - ω, with an encoder.
     fn run(ticks: usize, wanted: impl Fn(usize) -> f32, blocked: bool) -> (WheelLoop, f64, f64) {
-        let gains = WheelLoopGains { breakaway_duty: 0.0, ..WheelLoopGains::default() };
+        let wheel_loop = WheelLoopGains { breakaway_duty: 0.0, ..WheelLoopGains::default() };
+        let model = WheelModel::from(&Parameters { wheel_loop, ..Parameters::default() });
         let mut wheel = WheelLoop::new(0);
         let (mut speed, mut angle, mut wanted_angle) = (0.0f64, 0.0f64, 0.0f64);
         for tick in 0..ticks {
             let count = (angle / f64::from(RADIANS_PER_COUNT)).floor() as i32;
-            let duty = wheel.tick(wanted(tick), count, RADIANS_PER_COUNT, &gains);
+            let duty = wheel.tick(wanted(tick), count, &model);
             assert!(duty.abs() <= 1.0);
             for _ in 0..50 {
                 speed += 1e-4 / 0.06 * (18.0 * f64::from(duty) - speed);
@@ -198,16 +234,16 @@ mod tests {
 
     #[test]
     fn an_impossible_encoder_is_noticed() {
-        let gains = WheelLoopGains::default();
+        let model = WheelModel::from(&Parameters::default());
         let mut leaping = WheelLoop::new(0);
-        leaping.tick(5.0, 8, RADIANS_PER_COUNT, &gains);
+        leaping.tick(5.0, 8, &model);
         assert_eq!(leaping.fault(), None);
-        leaping.tick(5.0, 1000, RADIANS_PER_COUNT, &gains);
+        leaping.tick(5.0, 1000, &model);
         assert_eq!(leaping.fault(), Some(Fault::Encoder));
         // Swapped wires: 5 rad/s forwards count as 5.7 counts a tick backwards.
         let mut swapped = WheelLoop::new(0);
         for tick in 1..=26 {
-            swapped.tick(5.0, -tick * 6, RADIANS_PER_COUNT, &gains);
+            swapped.tick(5.0, -tick * 6, &model);
         }
         assert_eq!(swapped.fault(), Some(Fault::Encoder));
     }

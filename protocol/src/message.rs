@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 pub const PROTOCOL_VERSION: u16 = 2;
 
 /// The most legs that the robot keeps: those not yet driven, and those whose end is not yet reported.
-pub const MAX_LEGS: usize = 64;
+pub const MAX_LEGS: usize = 32;
 
 /// The host may be silent for this long while the robot drives.
 pub const SILENCE_LIMIT_MILLISECONDS: u32 = 300;

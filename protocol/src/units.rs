@@ -44,6 +44,10 @@ impl Radians {
     /// assert!((Radians(7.0).wrapped().0 - (7.0 - 2.0 * PI)).abs() < 1e-6);
     /// ```
     pub fn wrapped(self) -> Self {
+        // The most usual case, and on a processor without floating point the division is dear.
+        if self.0 > -PI && self.0 <= PI {
+            return self;
+        }
         let turns = libm::floorf((PI - self.0) / TAU);
         let angle = self.0 + turns * TAU;
         // Rounding may leave the half-open range by one unit in the last place.

@@ -212,7 +212,11 @@ impl IntervalMotion {
     pub fn chained_change(&self) -> f32 {
         match self.law {
             TurnLaw::Heading => self.change,
-            TurnLaw::TanHeading { parts } => 2.0 * libm::tanf(self.change / parts as f32 / 2.0),
+            TurnLaw::TanHeading { parts } => {
+                // Parts are below 120°, so the cosine of their half is above 1/2.
+                let (sin, cos) = sin_cos(self.change / parts as f32 / 2.0);
+                2.0 * sin / cos
+            }
         }
     }
 

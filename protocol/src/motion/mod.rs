@@ -154,7 +154,9 @@ impl Pose {
 
     /// The straight distance to `goal`.
     pub fn distance(self, goal: Position) -> Metres {
-        Metres(libm::hypotf(goal.x.0 - self.x.0, goal.y.0 - self.y.0))
+        let (dx, dy) = (goal.x.0 - self.x.0, goal.y.0 - self.y.0);
+        // No squares overflow below [`FARTHEST`], and `hypotf` would compute in f64.
+        Metres(libm::sqrtf(dx * dx + dy * dy))
     }
 
     /// Where one stands who goes `step`, as seen from here: self ∘ step.

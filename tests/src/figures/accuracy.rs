@@ -3,7 +3,7 @@
 
 use super::bench::{TICK, angle_between, legs_through, robot_pose, true_pose};
 use super::{Figure, Size};
-use firmware::odometry::Odometry;
+use firmware::odometry::{Odometry, Rims};
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use protocol::motion::{Interval, IntervalMotion, Leg, PHASES_PER_TICK, Pose, Timing};
@@ -112,7 +112,7 @@ fn drive_travel(drive: &IntervalMotion, t: f64) -> f64 {
 /// How far odometry is from the same counts summed up in f64 after 2 m of winding way, m.
 fn odometry_error(seed: u64) -> f64 {
     let mut random = fastrand::Rng::with_seed(seed);
-    let parameters = Parameters::default();
+    let rims = Rims::from(&Parameters::default());
     let start = Pose::new(random.f32() * 4.0, random.f32() * 4.0, random.f32() * 6.0 - 3.0);
     let mut odometry = Odometry::new(start, [0, 0]);
     let mut oracle = ideal_base(start);
@@ -122,7 +122,7 @@ fn odometry_error(seed: u64) -> f64 {
         // Up to 0.4 m/s: 13 counts a tick.
         let moved = [random.i32(0..=13), random.i32(0..=13)];
         counts = [counts[0] + moved[0], counts[1] + moved[1]];
-        odometry.update(counts, &parameters);
+        odometry.update(counts, &rims);
         oracle.roll(moved.map(|count| f64::from(count) * per_count));
         driven += f64::from(moved[0] + moved[1]) / 2.0 * per_count;
     }
