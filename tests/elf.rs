@@ -8,7 +8,7 @@ use host::geometry::Point;
 use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
 use host::link::mission::MissionError;
 use host::link::{LinkClient, LinkError};
-use protocol::message::{Board, Command, Reboot, Telemetry};
+use protocol::message::{self, Board, Command, Reboot, ResetCause, Telemetry};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::Parameters;
 use protocol::units::Metres;
@@ -133,14 +133,47 @@ fn a_panic_and_a_hard_fault_switch_the_motors_off_at_once() {
 }
 
 #[test]
-fn the_host_notices_a_restart() {
-    let end = disturbed(Duration::from_millis(1000), |client| {
-        client.port_mut().brain_mut().reset().unwrap();
-    });
-    assert!(
-        matches!(end, MissionError::Link(LinkError::Restarted | LinkError::Lost(_))),
-        "{end:?}"
-    );
+fn the_host_notices_a_restart_and_hears_why() {
+    for (fault, cause) in [
+        (None, ResetCause::PowerOn),
+        (Some(Fault::Panic), ResetCause::Panic),
+        (Some(Fault::HardFault), ResetCause::HardFault),
+        (Some(Fault::FreezeThread), ResetCause::Watchdog),
+    ] {
+        let end = disturbed(Duration::from_millis(1000), |client| {
+            let pico = client.port_mut().brain_mut();
+            match fault {
+                None => pico.reset().unwrap(),
+                Some(fault) => pico.inject(fault).unwrap(),
+            }
+        });
+        assert!(
+            matches!(end, MissionError::Link(LinkError::Restarted(said)) if said == cause),
+            "{fault:?}: {end:?}"
+        );
+    }
+}
+
+#[test]
+fn late_ticks_cut_the_drive_once_there_are_too_many() {
+    // The processor stands still while the wheels roll on, and then goes on where it was.
+    let late = |standstill: Duration| {
+        let mut frozen = false;
+        let robot = drive(robot(), legs(), START, 60, |client, _| {
+            if !frozen && client.port_mut().now() > Duration::from_millis(1000) {
+                frozen = true;
+                let pico = client.port_mut().brain_mut();
+                pico.inject(Fault::Freeze).unwrap();
+                client.port_mut().wait(standstill).unwrap();
+                client.port_mut().brain_mut().inject(Fault::None).unwrap();
+            }
+        });
+        robot.map(|(_, simulation)| simulation.truth().pose)
+    };
+    let end = late(Duration::from_millis(17)).unwrap();
+    assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
+    let end = late(Duration::from_millis(27)).map(|_| ());
+    assert!(matches!(end, Err(MissionError::Fault(message::Fault::TickOverrun))), "{end:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use hil_sim::wire::{Fate, Faults, Pace};
 use host::link::mission::{Mission, MissionError, MissionEvent};
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
 use protocol::message::{
-    Board, Command, HostHello, PROTOCOL_VERSION, PlanRefusal, Reboot, Report, State,
+    Board, Command, HostHello, PROTOCOL_VERSION, PlanRefusal, Reboot, Report, ResetCause, State,
 };
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::schema::SCHEMA_HASH;
@@ -123,7 +123,7 @@ struct ByHand {
 }
 
 const HOST: u32 = 5;
-const BOOT: Boot = Boot { nonce: 6, board: Board::Simulated };
+const BOOT: Boot = Boot { nonce: 6, board: Board::Simulated, reset: ResetCause::PowerOn };
 
 impl ByHand {
     fn new(hello: HostHello) -> Self {

@@ -186,7 +186,7 @@ fn a_robot_that_was_reset_is_noticed_and_the_mission_resumed() {
     let reset = client.port_mut().now();
     *client.port_mut().brain_mut() = InProcess::new(Default::default(), 99);
     let error = step_until(&mut client, &mut mission, 5, |_, _| false).unwrap_err();
-    assert!(matches!(error, MissionError::Link(LinkError::Restarted)), "{error}");
+    assert!(matches!(error, MissionError::Link(LinkError::Restarted(_))), "{error}");
     assert!(client.port_mut().now() - reset < NOTICED);
     let Progress { next, pose } = mission.progress();
     assert_eq!(next, 2);

@@ -155,6 +155,8 @@ impl Controller {
         self.geometry = BaseGeometry::from(&parameters);
         self.rims = Rims::from(&parameters);
         self.wheel = WheelModel::from(&parameters);
+        // Its legs were found drivable within the old limits.
+        self.queue.forget_batch();
         Ok(())
     }
 
@@ -166,6 +168,11 @@ impl Controller {
     /// The plan that is being received.
     pub fn queue(&mut self) -> &mut LegQueue {
         &mut self.queue
+    }
+
+    /// Collects a leg of the batch that was announced.
+    pub fn collect(&mut self, leg: Leg) {
+        self.queue.collect(leg, &self.parameters.limits());
     }
 
     /// Takes the collected batch of legs over; a robot that has nothing else to drive begins it.
@@ -184,7 +191,7 @@ impl Controller {
         }
         let under_way = matches!(self.activity, Activity::Leg(_));
         let room = room.saturating_sub(usize::from(under_way));
-        let header = self.queue.commit(plan, &self.parameters.limits(), room)?;
+        let header = self.queue.commit(plan, room)?;
         if let Placement::Start(pose) = header.placement {
             self.odometry = Odometry::new(pose, self.counts);
             self.history.clear();

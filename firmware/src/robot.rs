@@ -17,8 +17,8 @@ use crate::version::{FIRMWARE_GIT, FIRMWARE_VERSION};
 use heapless::Deque;
 use protocol::message::{
     Board, CameraPose, Command, Driven, Fault, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason,
-    PlanRefusal, PoseRefusal, Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State,
-    Telemetry,
+    PlanRefusal, PoseRefusal, Reboot, Report, ResetCause, RobotHello, SILENCE_LIMIT_MILLISECONDS,
+    State, Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
 use protocol::parameters::ParameterRefusal;
@@ -41,6 +41,8 @@ pub struct Boot {
     pub nonce: u32,
     /// What the robot runs on.
     pub board: Board,
+    /// Why it starts.
+    pub reset: ResetCause,
 }
 
 /// What the robot does with its motors, and with itself.
@@ -92,6 +94,7 @@ impl Robot {
             host_nonce: 0,
             nonce: boot.nonce,
             board: boot.board,
+            reset: boot.reset,
             firmware: FIRMWARE_VERSION,
             git: FIRMWARE_GIT,
             limits: parameters.limits(),
@@ -277,7 +280,7 @@ impl Robot {
                 self.change_parameters(port, command);
             }
             Command::PlanBegin(header) => self.controller.queue().begin(header),
-            Command::PlanLeg(leg) => self.controller.queue().collect(leg),
+            Command::PlanLeg(leg) => self.controller.collect(leg),
             Command::PlanCommit { plan } => self.commit(port, plan),
             Command::PlanCancel { plan } => self.controller.queue().cancel(plan),
             Command::Pause => self.controller.pause(PauseReason::Command),

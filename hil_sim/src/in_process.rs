@@ -5,7 +5,7 @@ use firmware::parameter_store::Step;
 use firmware::parameters::Parameters;
 use firmware::robot::{Boot, Port, Robot, Sensors};
 use protocol::frame::MAX_FRAME;
-use protocol::message::Board;
+use protocol::message::{Board, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::parameters::WheelLoopGains;
 use protocol::units::MetresPerSecond;
@@ -32,7 +32,8 @@ impl InProcess {
 
     /// The same with what its flash holds from before.
     pub fn with_flash(parameters: Parameters, nonce: u32, flash: Flash) -> Self {
-        let mut robot = Robot::new(parameters, Boot { nonce, board: Board::Simulated });
+        let boot = Boot { nonce, board: Board::Simulated, reset: ResetCause::PowerOn };
+        let mut robot = Robot::new(parameters, boot);
         let [a, b] = &flash;
         robot.restore([a, b]);
         Self { robot, battery: None, flash }

@@ -268,6 +268,8 @@ pub struct RobotHello {
     pub max_legs: u16,
     /// The plan that it drives or drove last; `None` after a start or stop.
     pub driven: Option<Driven>,
+    /// Why it started.
+    pub reset: ResetCause,
 }
 
 /// How far a plan has been driven.
@@ -290,6 +292,35 @@ pub enum Board {
     Pico2,
     /// The firmware's logic inside the simulator.
     Simulated,
+}
+
+/// Why a robot started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// Power came on, or its reset pin was pulled.
+    #[default]
+    PowerOn,
+    /// It was told to.
+    Command,
+    /// Its control tick or its link task stood still.
+    Watchdog,
+    /// Its program found itself in a state that cannot be.
+    Panic,
+    /// Its processor met an instruction or address that cannot be.
+    HardFault,
+}
+
+impl ResetCause {
+    /// In words, after "it has restarted: ".
+    pub fn explanation(self) -> &'static str {
+        match self {
+            Self::PowerOn => "its power was interrupted, or its reset pin pulled",
+            Self::Command => "it was told to",
+            Self::Watchdog => "its program stood still (watchdog)",
+            Self::Panic => "its program failed (panic)",
+            Self::HardFault => "its processor failed (hard fault)",
+        }
+    }
 }
 
 /// What the robot does.

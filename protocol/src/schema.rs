@@ -54,6 +54,7 @@ mod tests {
         tracer.trace_type::<crate::message::Placement>(&samples).unwrap();
         tracer.trace_type::<crate::message::Reboot>(&samples).unwrap();
         tracer.trace_type::<crate::message::Board>(&samples).unwrap();
+        tracer.trace_type::<crate::message::ResetCause>(&samples).unwrap();
         tracer.trace_type::<crate::message::State>(&samples).unwrap();
         tracer.trace_type::<crate::message::PauseReason>(&samples).unwrap();
         tracer.trace_type::<crate::message::Fault>(&samples).unwrap();

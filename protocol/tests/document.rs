@@ -65,8 +65,9 @@ fn the_frozen_part_is_frozen() {
         },
         max_legs: 9,
         driven: Some(Driven { plan: 10, next: 11, end: 12 }),
+        reset: ResetCause::Watchdog,
     };
-    let hello = [&[0, 1, 2, 3, 4, 1, 5, 6, 7, 8][..], &[0; 10], &[0x80, 0x3F, 9, 1, 10, 11, 12]];
+    let hello = [&[0, 1, 2, 3, 4, 1, 5, 6, 7, 8][..], &[0; 10], &[0x80, 0x3F, 9, 1, 10, 11, 12, 2]];
     let telemetry = Telemetry {
         ticks: 1,
         pose: Pose::new(0.0001, -0.0001, 0.0),
@@ -216,6 +217,7 @@ fn reports() -> Vec<Row<Report>> {
             limits,
             max_legs: number,
             driven,
+            reset: ResetCause::HardFault,
         })
     };
     let driven = Driven { plan: LONG, next: u16::MAX, end: u16::MAX };

@@ -155,7 +155,7 @@ impl From<LinkError> for CliError {
             LinkError::Version { .. } => {
                 ("link.version", "flash the firmware that belongs to this program")
             }
-            LinkError::Restarted => {
+            LinkError::Restarted(_) => {
                 ("link.restarted", "check its battery, put it at the start, and drive again")
             }
         };

@@ -51,16 +51,18 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
         "board": format!("{:?}", robot.board),
         "firmware": format!("{major}.{minor}.{patch}"),
         "protocol": robot.version,
+        "reset": robot.reset,
         "limits": {
             "speed": limits.speed, "acceleration": limits.acceleration, "track": limits.track,
         },
         "max_legs": robot.max_legs,
     });
     let text = format!(
-        "{}, protocol {}, {} legs a plan",
+        "{}, protocol {}, {} legs a plan; started because {}",
         mission::describe_robot(&robot),
         robot.version,
-        robot.max_legs
+        robot.max_legs,
+        robot.reset.explanation()
     );
     output.result(&document, &text);
     Ok(())

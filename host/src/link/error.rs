@@ -1,6 +1,6 @@
 //! Why a link cannot be used, and why a mission did not reach its goal: what happened, with its values.
 
-use protocol::message::{Fault, PlanRefusal};
+use protocol::message::{Fault, PlanRefusal, ResetCause};
 use protocol::motion::{Infeasible, Refusal};
 use std::io;
 use std::time::Duration;
@@ -42,8 +42,8 @@ pub enum LinkError {
         host: (u16, u64),
     },
     /// The robot began anew, so it has forgotten its plan.
-    #[error("the robot has restarted; it is at rest and has forgotten the plan")]
-    Restarted,
+    #[error("the robot has restarted: {}; it is at rest and has forgotten the plan", .0.explanation())]
+    Restarted(ResetCause),
 }
 
 fn dotted([major, minor, patch]: &[u8; 3]) -> String {

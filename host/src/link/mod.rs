@@ -302,7 +302,7 @@ impl<P: Read + Write> LinkClient<P> {
         match &self.robot {
             // A robot that has restarted knows no host, or this one from a hello that it repeats.
             Some(robot) if robot.nonce != hello.nonce && (to_us || hello.host_nonce == 0) => {
-                Err(LinkError::Restarted)
+                Err(LinkError::Restarted(hello.reset))
             }
             None if to_us => {
                 self.session = Session::new(session_id(self.hello.nonce, hello.nonce), now);

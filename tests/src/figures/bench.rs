@@ -91,7 +91,7 @@ pub fn commit(controller: &mut Controller, legs: &[Leg], start: Pose) {
     let (plan, count) = (legs[0].plan, legs.len() as u16);
     let (digest, placement) = (plan_digest(legs), Placement::Start(start));
     controller.queue().begin(PlanHeader { plan, first: 0, count, digest, placement });
-    legs.iter().for_each(|leg| controller.queue().collect(*leg));
+    legs.iter().for_each(|leg| controller.collect(*leg));
     controller.commit(plan, MAX_LEGS).unwrap_or_else(|refusal| panic!("refused: {refusal:?}"));
 }
 

@@ -83,11 +83,10 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    /// Reads both encoders and the battery.
-    pub(crate) fn sense(&mut self) -> Sensors {
+    /// Reads both encoders and the battery, `missed_ticks` control periods late.
+    pub(crate) fn sense(&mut self, missed_ticks: u8) -> Sensors {
         let counts = [self.left.counts(), self.right.counts()];
-        // The ticker makes up for a late tick, so none is ever missed.
-        Sensors { counts, battery: self.battery.volts(), missed_ticks: 0 }
+        Sensors { counts, battery: self.battery.volts(), missed_ticks }
     }
 }
 

@@ -5,7 +5,7 @@ use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Instant, Timer};
 use firmware::parameter_store::Slot;
 use firmware::parameters::Parameters;
 use firmware::robot::{Boot, Port, Robot};
@@ -40,7 +40,11 @@ fn SWI_IRQ_1() {
 async fn main(threads: Spawner) {
     let mut parts = board::take();
     parts.watchdog.start(WATCHDOG_TIMEOUT);
-    let boot = Boot { nonce: faults::boot_nonce(&mut parts.watchdog), board: BOARD };
+    let boot = Boot {
+        nonce: faults::boot_nonce(&mut parts.watchdog),
+        board: BOARD,
+        reset: faults::reset_cause(&mut parts.watchdog),
+    };
     log::started(boot.nonce);
 
     // The timer and the UART stay above the control task: their handlers are short, and the UART's
@@ -64,12 +68,14 @@ async fn main(threads: Spawner) {
 async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Watchdog) {
     let mut robot = Robot::new(Parameters::default(), boot);
     robot.restore([&store.read(Slot::A), &store.read(Slot::B)]);
-    let mut ticker = Ticker::every(TICK);
+    let mut due = Instant::now() + TICK;
     let mut silent_ticks = 0;
     loop {
-        ticker.next().await;
+        Timer::at(due).await;
         base.tick.set_high();
-        let sensors = base.sense();
+        let missed_ticks = missed(due);
+        due += TICK * (u32::from(missed_ticks) + 1);
+        let sensors = base.sense(missed_ticks);
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
 
@@ -87,7 +93,7 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
             let written = store.save(steps, &robot.parameter_record());
             robot.parameters_written(&written);
             // The ticks of that time are not made up for: the wheels stood still.
-            ticker.reset();
+            due = Instant::now() + TICK;
         }
 
         silent_ticks = if link::alive() { 0 } else { silent_ticks + 1 };
@@ -96,6 +102,13 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
         }
         base.tick.set_low();
     }
+}
+
+/// The control periods that have passed since the tick that was `due`.
+fn missed(due: Instant) -> u8 {
+    let late = Instant::now().saturating_duration_since(due);
+    // The watchdog ends every wait long before it outgrows these numbers.
+    (late.as_micros() as u32 / TICK.as_micros() as u32).min(u8::MAX.into()) as u8
 }
 
 /// Leaves this program; the robot asks for it only at rest.

@@ -7,13 +7,32 @@ use embassy_rp::clocks::RoscRng;
 use embassy_rp::pac;
 use embassy_rp::pac::io::vals::Outover;
 use embassy_rp::peripherals::WATCHDOG;
-use embassy_rp::watchdog::Watchdog;
+use embassy_rp::watchdog::{ResetReason, Watchdog};
+use protocol::message::ResetCause;
 
 use crate::board::MOTOR_PINS;
 use crate::log;
 
 /// The register of the watchdog block that counts the boots since power came on; it survives resets.
 const BOOTS_SCRATCH: usize = 0;
+
+/// The register that says why the program itself asked for the last reset: a [`ResetCause`] as below.
+const CAUSE_SCRATCH: usize = 1;
+const PANIC: u32 = 1;
+const HARD_FAULT: u32 = 2;
+
+/// Why the chip has started; forgets it for the next time.
+pub(crate) fn reset_cause(watchdog: &mut Watchdog) -> ResetCause {
+    let noted = watchdog.get_scratch(CAUSE_SCRATCH);
+    watchdog.set_scratch(CAUSE_SCRATCH, 0);
+    match (watchdog.reset_reason(), noted) {
+        (None, _) => ResetCause::PowerOn,
+        (Some(ResetReason::TimedOut), _) => ResetCause::Watchdog,
+        (Some(ResetReason::Forced), PANIC) => ResetCause::Panic,
+        (Some(ResetReason::Forced), HARD_FAULT) => ResetCause::HardFault,
+        (Some(ResetReason::Forced), _) => ResetCause::Command,
+    }
+}
 
 /// A number that differs from boot to boot, so that the host notices a restart.
 ///
@@ -35,11 +54,12 @@ pub(crate) fn motors_dead() {
     }
 }
 
-/// Switches the motors off and resets the chip.
-fn restart() -> ! {
+/// Switches the motors off and resets the chip, which remembers `cause`.
+fn restart(cause: u32) -> ! {
     motors_dead();
     #[expect(unsafe_code, reason = "the owner of the watchdog will never run again")]
     let mut watchdog = Watchdog::new(unsafe { WATCHDOG::steal() });
+    watchdog.set_scratch(CAUSE_SCRATCH, cause);
     watchdog.trigger_reset();
     loop {
         cortex_m::asm::nop();
@@ -51,11 +71,11 @@ fn panicked(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
     motors_dead();
     log::panicked(info);
-    restart()
+    restart(PANIC)
 }
 
 #[allow(unsafe_code, reason = "an exception handler is entered from outside the language")]
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
-    restart()
+    restart(HARD_FAULT)
 }
