@@ -14,18 +14,17 @@ use std::{fs, io};
 use tests::drive;
 use tests::elf_file::ElfFile;
 
-/// What is aimed at: flash, RAM with stack, and a tenth of the 5 ms at 125 MHz for a tick.
-const AIMS: &str = "64 KiB of flash, 24 KiB of RAM, 62500 cycles at 99.9 %";
-/// Ceilings: what holds today. They may only fall, towards [`AIMS`].
-const FLASH_LIMIT: u32 = 68 * 1024;
-const RAM_LIMIT: u32 = 29 * 1024;
-const TICK_LIMIT: u32 = 85_000;
+const FLASH_LIMIT: u32 = 64 * 1024;
+/// Static memory and the most stack together.
+const RAM_LIMIT: u32 = 24 * 1024;
+/// Of 99.9 % of the ticks: a tenth of 5 ms at 125 MHz.
+const TICK_LIMIT: u32 = 62_500;
 const PERIOD: Duration = Duration::from_millis(5);
 /// A hundredth of the period.
 const JITTER_LIMIT: Duration = Duration::from_micros(50);
 const READY_LIMIT: Duration = Duration::from_millis(50);
 /// Calls of a panic in all crates together. May only fall.
-const PANIC_CALLS_LIMIT: usize = 64;
+const PANIC_CALLS_LIMIT: usize = 63;
 
 /// How our own crates show in a mangled name.
 const OWN_CRATES: [&str; 2] = ["8firmware", "8protocol"];
@@ -87,7 +86,6 @@ fn the_elf_keeps_within_its_limits() {
     let [median, rare, most] = [0.5, 0.999, 1.0].map(quantile);
     let (jitter, ready) = (jitter(&ticks), ticks[0].start);
 
-    println!("aims: {AIMS}");
     println!("| figure | pico | pico2 |\n|---|---|---|");
     let [flash, ram] = [ElfFile::flash, ElfFile::static_ram].map(|size| files.each_ref().map(size));
     println!("| flash, bytes | {} | {} |", flash[0], flash[1]);
