@@ -50,6 +50,16 @@ impl BaseParameters {
 }
 
 impl BaseParameters {
+    /// The same base with other lengths than the controller believes in: both wheels `scale` times as
+    /// large, the right one `ratio` times the left one, the track `track` times as wide.
+    pub fn with_wrong_lengths(self, [scale, ratio, track]: [f64; 3]) -> Self {
+        let [left, right] = self.wheel_radius;
+        let (mean, old_ratio) = ((left + right) / 2.0 * scale, right / left);
+        let left = 2.0 * mean / (1.0 + ratio * old_ratio);
+        let wheel_radius = [left, ratio * old_ratio * left];
+        Self { wheel_radius, track: self.track * track, ..self }
+    }
+
     /// The base that goes with [`paper_robot`](crate::in_process::paper_robot): motors twice as fast.
     pub fn paper(seed: u64) -> Self {
         let default = Self::seeded(seed);

@@ -245,7 +245,7 @@ impl Run {
             end = advanced(end, way, turn);
         }
         // What the robot itself saw of its end's error is no error of its lengths.
-        composed(end, relative(planned, self.believed))
+        composed(end, seen_from(planned, self.believed))
     }
 }
 
@@ -307,7 +307,7 @@ fn composed(pose: Pose, step: Pose) -> Pose {
 }
 
 /// `pose` as seen from `origin`.
-fn relative(origin: Pose, pose: Pose) -> Pose {
+pub fn seen_from(origin: Pose, pose: Pose) -> Pose {
     let (sin, cos) = origin.heading.sin_cos();
     let (x, y) = (pose.position.x - origin.position.x, pose.position.y - origin.position.y);
     Pose::new(cos * x + sin * y, cos * y - sin * x, pose.heading - origin.heading)

@@ -1,5 +1,6 @@
 //! The words of the command line.
 
+use super::params::{self, Change};
 use super::quantity;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use host::geometry::Arena;
@@ -38,6 +39,11 @@ pub(crate) enum Command {
     Ports,
     /// Ask the robot behind a port who it is.
     Info(PortArgs),
+    /// Show a robot's numbers (lengths, limits, gains), or change them.
+    Params(ParamsArgs),
+    /// Find out what a robot's lengths really are.
+    #[command(subcommand)]
+    Calibrate(CalibrateCommand),
     /// Stop the robot behind a port; it stays stopped until it is told to drive.
     Stop(PortArgs),
 }
@@ -226,4 +232,49 @@ pub(crate) struct PortArgs {
     /// auto, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
     pub(crate) port: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ParamsArgs {
+    /// Numbers to change, such as track=121mm or speed=0.3; SI units where there is no suffix.
+    #[arg(value_name = "NAME=VALUE", value_parser = params::change)]
+    pub(crate) changes: Vec<Change>,
+    /// auto, sim, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// First take all numbers from this file, as --json prints them.
+    #[arg(long, value_name = "FILE", conflicts_with = "defaults")]
+    pub(crate) from: Option<PathBuf>,
+    /// First take the defaults of a new robot.
+    #[arg(long)]
+    pub(crate) defaults: bool,
+    /// Forget the changes when the robot loses power.
+    #[arg(long)]
+    pub(crate) no_save: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum CalibrateCommand {
+    /// Wheel radius, wheel ratio and track, from courses driven and measured (UMBmark).
+    Base(CalibrateBaseArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateBaseArgs {
+    /// auto, sim, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// Side of the squares; the larger, the more exact.
+    #[arg(long, value_parser = quantity::side, default_value = "1", value_name = "M")]
+    pub(crate) side: f64,
+    /// Forget the lengths found when the robot loses power.
+    #[arg(long)]
+    pub(crate) no_save: bool,
+    /// With --port sim: by how many percent scale, wheel ratio and track of the simulated base differ.
+    #[arg(long, value_parser = quantity::percents, allow_hyphen_values = true,
+        default_value = "1,0.5,2", value_name = "P,P,P")]
+    pub(crate) sim_errors: [f64; 3],
+    /// Which of many slightly different robots is simulated.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) sim_seed: u64,
 }

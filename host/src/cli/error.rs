@@ -1,8 +1,10 @@
 //! What the command line says when something fails: what, why, and what to type next.
 
 use hil_sim::emulator::EmulatorError;
+use host::calibration::CalibrationError;
 use host::link::LinkError;
 use host::link::mission::MissionError;
+use host::link::parameters::ParameterError;
 use host::link::port::PortError;
 use host::plan::PlanError;
 use host::plan_file::PlanFileError;
@@ -160,6 +162,25 @@ impl From<LinkError> for CliError {
             }
         };
         Self::new(Exit::Link, code, error, help)
+    }
+}
+
+impl From<ParameterError> for CliError {
+    fn from(error: ParameterError) -> Self {
+        match error {
+            ParameterError::Link(error) => error.into(),
+            ParameterError::Refused(_) => {
+                let help = "nothing has changed; wmr params shows all numbers and their ranges";
+                Self::advised(Exit::Robot, "robot.refused", &error, help)
+            }
+        }
+    }
+}
+
+impl From<CalibrationError> for CliError {
+    fn from(error: CalibrationError) -> Self {
+        let help = "the robot keeps its old lengths; calibrate again";
+        Self::advised(Exit::Robot, "calibrate", &error, help)
     }
 }
 

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// How often the link is looked at.
-const POLL: Duration = Duration::from_millis(2);
+pub(crate) const POLL: Duration = Duration::from_millis(2);
 /// After Ctrl-C the robot is given this long to come to rest.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
 
@@ -130,7 +130,7 @@ pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Robo
     }
 }
 
-fn interrupted_error(message: &str) -> CliError {
+pub(crate) fn interrupted_error(message: &str) -> CliError {
     CliError::new(Exit::Interrupted, "interrupted", message, "drive again when ready")
 }
 

@@ -5,6 +5,7 @@
 //! ```
 
 mod args;
+mod calibrate;
 mod demo;
 mod detect;
 mod drive;
@@ -14,6 +15,7 @@ mod folder;
 mod input;
 mod mission;
 mod output;
+mod params;
 mod plan;
 mod ports;
 mod quantity;
@@ -21,7 +23,7 @@ mod queries;
 mod sim;
 mod way;
 
-use args::{Cli, Command};
+use args::{CalibrateCommand, Cli, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
 use error::{CliError, Exit};
@@ -43,6 +45,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Sim(args) => sim::run(args, output),
         Command::Ports => ports::list(output),
         Command::Info(args) => ports::info(args, output),
+        Command::Params(args) => params::run(args, output),
+        Command::Calibrate(CalibrateCommand::Base(args)) => calibrate::base(args, output),
         Command::Stop(args) => ports::stop(args, output),
     };
     match result {

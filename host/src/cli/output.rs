@@ -27,6 +27,11 @@ impl Output {
         }
     }
 
+    /// Asks the person at the terminal, who must answer even if there is to be no talk.
+    pub(crate) fn ask(self, text: &str) {
+        let _ = write!(io::stderr(), "{text} ");
+    }
+
     /// Prints an error.
     pub(crate) fn error(self, error: &CliError) {
         if self.json {

@@ -44,7 +44,7 @@ pub(crate) fn list(output: Output) -> Result<(), CliError> {
 
 /// `wmr info`.
 pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
-    let mut client = open_client(args)?;
+    let mut client = open_client(&args.port)?;
     let robot = mission::connect(&mut client)?;
     let ([major, minor, patch], limits) = (robot.firmware, robot.limits);
     let document = json!({
@@ -71,7 +71,7 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
 /// `wmr stop`.
 pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
     mission::catch_interrupts();
-    let mut client = open_client(args)?;
+    let mut client = open_client(&args.port)?;
     mission::connect(&mut client)?;
     client.stop();
     loop {
@@ -91,9 +91,10 @@ pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
     }
 }
 
-fn open_client(args: &PortArgs) -> Result<LinkClient<Box<dyn Endpoint>>, CliError> {
+/// A link to whoever is behind the port of that name, on an endless floor if simulated.
+pub(crate) fn open_client(port: &str) -> Result<LinkClient<Box<dyn Endpoint>>, CliError> {
     let nowhere = SimulatedWorld { world: None, start: TruePose::default(), seed: 1 };
-    let endpoint = endpoint::open(&args.port, nowhere, SimulatedRobot::Default)?;
+    let endpoint = endpoint::open(port, nowhere, SimulatedRobot::Default)?;
     let nonce = endpoint.nonce();
     Ok(LinkClient::new(endpoint, nonce))
 }

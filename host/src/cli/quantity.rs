@@ -40,6 +40,21 @@ pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
     })
 }
 
+/// The side of a square to calibrate in, metres: 0.3 to 20.
+pub(crate) fn side(text: &str) -> Result<f64, String> {
+    let value = length(text).ok().filter(|value| (0.3..=20.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no side; write a length from 0.3 to 20 metres"))
+}
+
+/// Three percentages from `1,0.5,-2`, each between -5 and 5.
+pub(crate) fn percents(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(finite).collect();
+    let numbers = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    numbers
+        .filter(|numbers| numbers.iter().all(|percent| percent.abs() <= 5.0))
+        .ok_or_else(|| format!("{text:?}: write three percentages up to 5, such as 1,0.5,2"))
+}
+
 /// A step of simulated time, seconds: 0.1 ms to 100 ms.
 pub(crate) fn step(text: &str) -> Result<f64, String> {
     let value = scaled(text, &[("s", 1.0)], 1.0).filter(|value| (1e-4..=0.1).contains(value));

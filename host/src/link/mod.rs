@@ -9,6 +9,7 @@
 pub mod clock;
 mod error;
 pub mod mission;
+pub mod parameters;
 pub mod port;
 pub mod reopening;
 

@@ -43,7 +43,7 @@ pub fn measure(size: Size) -> Vec<Figure> {
 
 /// Errors of the lengths, and the return error before and after, m.
 fn calibrated(seed: u64) -> ([f64; 3], f64, f64) {
-    let base = wrong_base(seed);
+    let base = BaseParameters::seeded(seed).with_wrong_lengths(WRONG);
     let parameters = Parameters::default();
     let used = BaseLengths::of(&parameters);
     let mut random = fastrand::Rng::with_seed(seed);
@@ -67,13 +67,6 @@ fn calibrated(seed: u64) -> ([f64; 3], f64, f64) {
     let better = found.applied_to(&parameters, 1);
     let before = return_error(&parameters, base);
     (errors.map(f64::abs), before, return_error(&better, base))
-}
-
-fn wrong_base(seed: u64) -> BaseParameters {
-    let [scale, ratio, track] = WRONG;
-    let left = 2.0 * 0.035 * scale / (1.0 + ratio);
-    let base = BaseParameters::seeded(seed);
-    BaseParameters { wheel_radius: [left, ratio * left], track: base.track * track, ..base }
 }
 
 /// Where the robot believes it ended, and where it did.

@@ -1,0 +1,182 @@
+//! `wmr params`: a robot's numbers, shown or changed.
+
+use super::args::ParamsArgs;
+use super::endpoint::Endpoint;
+use super::error::{CliError, Exit};
+use super::output::Output;
+use super::{mission, ports, quantity};
+use host::link::parameters::{Answer, Exchange, Request};
+use host::link::{LinkClient, LinkError};
+use protocol::parameters::{FIELDS, Parameters};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// A number to change: its place in [`FIELDS`], and what it becomes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Change {
+    place: usize,
+    value: f32,
+}
+
+/// A change from `name=value`; lengths may have a suffix.
+pub(crate) fn change(text: &str) -> Result<Change, String> {
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("{text:?}: write NAME=VALUE"))?;
+    let place = place(name)?;
+    let value = if FIELDS[place].unit == "m" {
+        quantity::length(value)? as f32
+    } else {
+        value.trim().parse().map_err(|_| format!("{value:?} is no number"))?
+    };
+    checked(place, value)
+}
+
+fn place(name: &str) -> Result<usize, String> {
+    let names = || FIELDS.map(|field| field.name).join(", ");
+    let found = FIELDS.iter().position(|field| field.name == name.trim());
+    found.ok_or_else(|| format!("there is no {name:?}; there are {}", names()))
+}
+
+/// Encoder counts are whole; the other numbers are the robot's to judge.
+fn checked(place: usize, value: f32) -> Result<Change, String> {
+    if FIELDS[place].name == "counts-per-turn" && value.fract() != 0.0 {
+        return Err(format!("{value}: a wheel has a whole number of counts in a turn"));
+    }
+    Ok(Change { place, value })
+}
+
+/// `wmr params`.
+pub(crate) fn run(args: &ParamsArgs, output: Output) -> Result<(), CliError> {
+    let loaded = args.from.as_deref().map(load).transpose()?;
+    let changes = loaded.is_some() || args.defaults || !args.changes.is_empty();
+    mission::catch_interrupts();
+    let mut client = ports::open_client(&args.port)?;
+    mission::connect(&mut client)?;
+    let mut parameters = read(&mut client)?;
+    if changes {
+        let first = if args.defaults { Parameters::default() } else { parameters };
+        let (from, calibration) = loaded.unwrap_or((Vec::new(), first.calibration));
+        let mut values = first.values();
+        for Change { place, value } in from.iter().chain(&args.changes) {
+            values[*place] = *value;
+        }
+        let wanted = Parameters { calibration, ..first.with_values(values) };
+        parameters = set(&mut client, wanted)?;
+        if !args.no_save {
+            keep(&mut client)?;
+        }
+    }
+    output.result(&document(&parameters, changes && !args.no_save), &table(&parameters));
+    Ok(())
+}
+
+/// The robot's numbers.
+pub(crate) fn read(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Parameters, CliError> {
+    parameters_of(ask(client, Request::Read)?)
+}
+
+/// Changes the robot's numbers until it loses power; what they are then.
+pub(crate) fn set(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    parameters: Parameters,
+) -> Result<Parameters, CliError> {
+    parameters_of(ask(client, Request::Change(parameters))?)
+}
+
+/// Has the robot keep its numbers.
+pub(crate) fn keep(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliError> {
+    ask(client, Request::Keep).map(|_| ())
+}
+
+fn parameters_of(answer: Answer) -> Result<Parameters, CliError> {
+    match answer {
+        Answer::Parameters(parameters) => Ok(parameters),
+        Answer::Kept => {
+            Err(CliError::new(Exit::Bug, "bug", "an answer to no question", "report it"))
+        }
+    }
+}
+
+fn ask(client: &mut LinkClient<Box<dyn Endpoint>>, request: Request) -> Result<Answer, CliError> {
+    let mut exchange = Exchange::new(request);
+    loop {
+        let now = client.port_mut().now();
+        if let Some(answer) = exchange.step(client, now)? {
+            return Ok(answer);
+        }
+        if mission::interrupted() {
+            return Err(mission::interrupted_error("nothing has moved"));
+        }
+        client.port_mut().wait(mission::POLL).map_err(LinkError::from)?;
+    }
+}
+
+/// The numbers of a file that `wmr params --json` wrote, and their calibration.
+fn load(path: &Path) -> Result<(Vec<Change>, u32), CliError> {
+    let bad = |why: String| {
+        let message = format!("{}: {why}", path.display());
+        CliError::new(
+            Exit::File,
+            "params.file",
+            message,
+            "write one with: wmr params --json > FILE",
+        )
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
+    let file: Value = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
+    let numbers = file["parameters"].as_object().ok_or_else(|| bad("no \"parameters\"".into()))?;
+    let change = |(name, value): (&String, &Value)| {
+        let value = value.as_f64().ok_or_else(|| format!("{name} is no number"))?;
+        checked(place(name)?, value as f32)
+    };
+    let changes = numbers.iter().map(change).collect::<Result<_, _>>().map_err(bad)?;
+    let calibration = file["calibration"].as_u64().and_then(|number| u32::try_from(number).ok());
+    Ok((changes, calibration.unwrap_or(0)))
+}
+
+/// An f32 as the shortest decimal that means it: 0.035, not 0.03500000014901161.
+fn shortest(value: f32) -> Value {
+    value.to_string().parse::<f64>().map_or(Value::Null, Value::from)
+}
+
+fn document(parameters: &Parameters, saved: bool) -> Value {
+    let numbers: Map<String, Value> = FIELDS
+        .iter()
+        .zip(parameters.values())
+        .map(|(field, value)| (field.name.to_owned(), shortest(value)))
+        .collect();
+    json!({"parameters": numbers, "calibration": parameters.calibration, "saved": saved})
+}
+
+fn table(parameters: &Parameters) -> String {
+    let row = |(field, value): (&protocol::parameters::Field, f32)| {
+        let range = format!("{} to {}", field.least, field.most);
+        format!("{:16} {:>9} {:7} {range}\n", field.name, value.to_string(), field.unit)
+    };
+    let rows: String = FIELDS.iter().zip(parameters.values()).map(row).collect();
+    let calibration = match parameters.calibration {
+        0 => "never calibrated; wmr calibrate base".to_owned(),
+        number => format!("calibration {number}"),
+    };
+    format!("{rows}{calibration}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_a_name_and_a_number_that_it_may_have() {
+        assert_eq!(change("track=121mm"), Ok(Change { place: 2, value: 0.121 }));
+        assert_eq!(change("speed=0.3"), Ok(Change { place: 4, value: 0.3 }));
+        assert!(change("counts-per-turn=1440.5").is_err());
+        assert!(change("tracks=1").unwrap_err().contains("wheel-radius"));
+        assert!(change("track").is_err() && change("speed=fast").is_err());
+    }
+
+    #[test]
+    fn numbers_are_printed_as_they_were_typed() {
+        assert_eq!(shortest(0.035).to_string(), "0.035");
+        assert_eq!(shortest(1440.0).to_string(), "1440.0");
+    }
+}

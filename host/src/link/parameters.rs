@@ -1,0 +1,128 @@
+//! A robot's numbers over the link: read them, change them, have them kept in its flash.
+//!
+//! ```text
+//! request ─► command ═link═ report ─► answer
+//! ```
+//! One request at a time, over a [`LinkClient`]; the robot takes changes only at rest. What it refuses it
+//! refuses as a whole, and nothing has changed then.
+
+use super::{LinkClient, LinkError};
+use protocol::message::{Command, Report};
+use protocol::parameters::{FIELDS, ParameterRefusal, Parameters};
+use std::io::{Read, Write};
+use std::time::Duration;
+
+/// What is asked of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Request {
+    /// Its numbers.
+    Read,
+    /// To take other numbers, until it loses power.
+    Change(Parameters),
+    /// To keep its numbers when it loses power.
+    Keep,
+}
+
+/// What the robot answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// Its numbers, after a change the new ones.
+    Parameters(Parameters),
+    /// They are in its flash.
+    Kept,
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum ParameterError {
+    /// The link failed.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The robot refused.
+    #[error("the robot keeps its numbers: {}", describe(.0))]
+    Refused(ParameterRefusal),
+}
+
+/// One request on its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exchange {
+    request: Request,
+    sent: bool,
+}
+
+impl Exchange {
+    /// Begins `request`.
+    pub fn new(request: Request) -> Self {
+        Self { request, sent: false }
+    }
+
+    /// One step at `now`, to be called every few milliseconds: polls `client`; the answer once it is
+    /// there.
+    ///
+    /// # Errors
+    /// [`ParameterError`]; nothing has changed if the robot refused.
+    pub fn step<P: Read + Write>(
+        &mut self,
+        client: &mut LinkClient<P>,
+        now: Duration,
+    ) -> Result<Option<Answer>, ParameterError> {
+        let reports = client.poll(now)?;
+        client.check_protocol()?;
+        let mut answers = reports.iter().filter_map(|report| self.answer(report));
+        if let Some(answer) = answers.next() {
+            return answer.map(Some).map_err(ParameterError::Refused);
+        }
+        self.sent = self.sent || client.send(self.command());
+        Ok(None)
+    }
+
+    fn command(&self) -> Command {
+        match self.request {
+            Request::Read => Command::GetParameters,
+            Request::Change(parameters) => Command::SetParameters(parameters),
+            Request::Keep => Command::SaveParameters,
+        }
+    }
+
+    fn answer(&self, report: &Report) -> Option<Result<Answer, ParameterRefusal>> {
+        match (self.request, report) {
+            _ if !self.sent => None,
+            (Request::Read | Request::Change(_), Report::Parameters(parameters)) => {
+                Some(Ok(Answer::Parameters(*parameters)))
+            }
+            (Request::Keep, Report::ParametersSaved { .. }) => Some(Ok(Answer::Kept)),
+            (_, Report::ParametersRefused(refusal)) => Some(Err(*refusal)),
+            _ => None,
+        }
+    }
+}
+
+/// A refusal in words.
+pub fn describe(refusal: &ParameterRefusal) -> String {
+    match refusal {
+        ParameterRefusal::OutOfRange { field, value } => {
+            FIELDS.get(usize::from(*field)).map_or_else(
+                || format!("{value} is out of range"),
+                |field| {
+                    let (name, least, most) = (field.name, field.least, field.most);
+                    format!("{name} is {value}, and must be from {least} to {most} {}", field.unit)
+                },
+            )
+        }
+        ParameterRefusal::TooFast => {
+            "the motors cannot turn the wheels that fast; lower speed, or raise no-load-speed"
+                .into()
+        }
+        ParameterRefusal::BatteryLevels => {
+            "the battery's levels must fall from battery-warn over battery-derate to battery-stop"
+                .into()
+        }
+        ParameterRefusal::NotAtRest => {
+            "it drives, or waits on its way; stop it with wmr stop".into()
+        }
+        ParameterRefusal::NotOwner => "another link drives it; disconnect that one".into(),
+        ParameterRefusal::NotStored => {
+            "its flash does not hold what was written; try again, or replace the board".into()
+        }
+    }
+}
