@@ -3,7 +3,7 @@
 #![cfg(unix)]
 
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Output, Stdio};
 
 const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
@@ -151,4 +151,28 @@ fn somebody_elses_physics_take_the_bases_place() {
     // The base's own frame: it began at its origin, half a metre before the goal.
     let pose = document(&base.wait_with_output().unwrap());
     assert!(distance(&pose, 0.5, 0.0) < 0.005, "{pose}");
+}
+
+#[test]
+fn a_person_who_measures_is_asked_again_and_may_leave() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("robot");
+    let link = link.to_str().unwrap();
+    let (sim, _) = Sim::start(&["--pty", link]);
+    let mut calibrate = wmr(&["calibrate", "base", "--side", "0.3", "--port", link, "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Enter; no pose; no angle; the end of the straight; and then nothing more.
+    calibrate.stdin.take().unwrap().write_all(b"\noops\n0.3,0\n0.3,0,0\n").unwrap();
+    let output = calibrate.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(document(&output)["error"]["message"].as_str().unwrap().contains("input ended"));
+    let asked = String::from_utf8(output.stderr).unwrap();
+    assert!(asked.contains("is no place") && asked.contains("the angle is missing"), "{asked}");
+    assert!(asked.contains("2 of 6"), "{asked}");
+    let end = sim.end();
+    assert!(distance(&end["true_pose"], 0.3, 0.0) < 0.005, "{end}");
 }

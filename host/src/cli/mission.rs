@@ -64,7 +64,8 @@ pub(crate) fn drive(
     let robot = connect(&mut client)?;
     let limits = robot.limits;
     let legs = legs(&limits);
-    output.say(&format!("robot: {}; {} legs", describe_robot(&robot), legs.len()));
+    let plural = if legs.len() == 1 { "" } else { "s" };
+    output.say(&format!("robot: {}; {} leg{plural}", describe_robot(&robot), legs.len()));
     let progress = output.progress(legs.len() as u64);
     let wire_start =
         motion::Pose::new(start.position.x as f32, start.position.y as f32, start.heading as f32);

@@ -8,6 +8,9 @@ use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use protocol::message::{MAX_LEGS, Placement, PlanHeader, plan_digest};
 use protocol::motion::{Direction, Leg, Pose, Position, Timing};
 use protocol::units::Radians;
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// One control period, s.
 pub const TICK: f64 = 0.005;
@@ -21,6 +24,8 @@ pub struct Bench {
     pub base: WheeledBase,
     /// Control ticks so far.
     pub ticks: u32,
+    /// Legs that found no room yet.
+    waiting: VecDeque<Leg>,
 }
 
 impl Bench {
@@ -32,18 +37,25 @@ impl Bench {
     /// A robot that believes `parameters` on a base that really is `base`.
     pub fn with(parameters: Parameters, base: BaseParameters, start: Pose) -> Self {
         let base = WheeledBase::new(base, true_pose(start));
-        let mut bench = Self { controller: Controller::new(parameters), base, ticks: 0 };
+        let mut bench = Self {
+            controller: Controller::new(parameters),
+            base,
+            ticks: 0,
+            waiting: VecDeque::new(),
+        };
         // The encoders need not start at 0.
         bench.tick();
         bench
     }
 
-    /// Commits `legs` from `start`.
+    /// Commits `legs` from `start`: as many as there is room for now, the others as room comes.
     ///
     /// # Panics
     /// If the controller refuses them.
     pub fn commit(&mut self, legs: &[Leg], start: Pose) {
-        commit(&mut self.controller, legs, start);
+        let (first, rest) = legs.split_at(legs.len().min(MAX_LEGS));
+        commit(&mut self.controller, first, Placement::Start(start));
+        self.waiting = rest.iter().copied().collect();
     }
 
     /// One control period.
@@ -52,6 +64,9 @@ impl Bench {
         let outcome = self.controller.tick(&sensors);
         self.base.step(outcome.duty.map(f64::from), TICK);
         self.ticks += 1;
+        if let (Some(Event::LegDone(_)), Some(leg)) = (outcome.event, self.waiting.pop_front()) {
+            commit(&mut self.controller, &[leg], Placement::Append);
+        }
         outcome.event
     }
 
@@ -83,14 +98,14 @@ pub fn rim_speeds(controller: &Controller) -> [f64; 2] {
     [f64::from(wheels.left.0 * left.0), f64::from(wheels.right.0 * right.0)]
 }
 
-/// Commits `legs` from `start`.
+/// Commits `legs` as one batch.
 ///
 /// # Panics
 /// If the controller refuses them.
-pub fn commit(controller: &mut Controller, legs: &[Leg], start: Pose) {
-    let (plan, count) = (legs[0].plan, legs.len() as u16);
-    let (digest, placement) = (plan_digest(legs), Placement::Start(start));
-    controller.queue().begin(PlanHeader { plan, first: 0, count, digest, placement });
+pub fn commit(controller: &mut Controller, legs: &[Leg], placement: Placement) {
+    let (plan, first, count) = (legs[0].plan, legs[0].index, legs.len() as u16);
+    let digest = plan_digest(legs);
+    controller.queue().begin(PlanHeader { plan, first, count, digest, placement });
     legs.iter().for_each(|leg| controller.collect(*leg));
     controller.commit(plan, MAX_LEGS).unwrap_or_else(|refusal| panic!("refused: {refusal:?}"));
 }
@@ -114,6 +129,35 @@ pub fn legs_through(start: Pose, points: &[(f64, f64)], timing: Timing) -> Vec<L
         leg
     });
     legs.collect()
+}
+
+/// `count` legs in any direction, of any length within `lengths`, in metres; every other one in reverse, every
+/// fourth with a heading at its end.
+pub fn random_legs(
+    start: Pose,
+    count: usize,
+    lengths: Range<f64>,
+    random: &mut fastrand::Rng,
+) -> Vec<Leg> {
+    let (mut x, mut y) = (0.0, 0.0);
+    let points: Vec<_> = (0..count)
+        .map(|_| {
+            let bearing = random.f64() * TAU;
+            let length = lengths.start + random.f64() * (lengths.end - lengths.start);
+            (x, y) = (x + length * bearing.cos(), y + length * bearing.sin());
+            (x, y)
+        })
+        .collect();
+    let mut legs = legs_through(start, &points, Timing::Limits);
+    for leg in &mut legs {
+        if random.u8(..4) == 0 {
+            leg.goal_heading = Some(Radians(random.f32() * 6.0 - 3.0));
+        }
+        if random.bool() {
+            leg.direction = Direction::Reverse;
+        }
+    }
+    legs
 }
 
 /// The same pose in the simulator's numbers.

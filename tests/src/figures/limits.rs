@@ -3,14 +3,14 @@
 //! The base here is a follower that lags behind its command and is kicked now and then, so that the
 //! tracker has much to correct; it is cheap enough for a million legs.
 
-use super::bench::{TICK, commit, legs_through, rim_speeds};
+use super::bench::{TICK, commit, random_legs, rim_speeds};
 use super::{Figure, Size};
 use firmware::controller::Controller;
 use firmware::parameters::Parameters;
 use firmware::signals::Sensors;
-use protocol::message::State;
-use protocol::motion::{Direction, Pose, Timing};
-use protocol::units::{Metres, Radians};
+use protocol::message::{Placement, State};
+use protocol::motion::Pose;
+use protocol::units::Metres;
 use std::f64::consts::TAU;
 
 /// Legs of a plan.
@@ -40,7 +40,11 @@ fn drive(seed: u64) -> [f64; 2] {
     };
     let mut controller = Controller::new(parameters);
     let start = Pose::new(0.0, 0.0, random.f32() * 6.0 - 3.0);
-    commit(&mut controller, &random_legs(start, &mut random), start);
+    commit(
+        &mut controller,
+        &random_legs(start, LEGS, 0.05..1.05, &mut random),
+        Placement::Start(start),
+    );
     let mut follower = Follower::default();
     let mut last = [0.0; 2];
     let mut worst = [0.0f64; 2];
@@ -61,26 +65,6 @@ fn drive(seed: u64) -> [f64; 2] {
         meddle(&mut controller, &mut random);
     }
     worst
-}
-
-fn random_legs(start: Pose, random: &mut fastrand::Rng) -> Vec<protocol::motion::Leg> {
-    let (mut x, mut y) = (0.0, 0.0);
-    let mut points = Vec::new();
-    for _ in 0..LEGS {
-        let (bearing, length) = (random.f64() * TAU, 0.05 + random.f64());
-        (x, y) = (x + length * bearing.cos(), y + length * bearing.sin());
-        points.push((x, y));
-    }
-    let mut legs = legs_through(start, &points, Timing::Limits);
-    for leg in &mut legs {
-        if random.u8(..4) == 0 {
-            leg.goal_heading = Some(Radians(random.f32() * 6.0 - 3.0));
-        }
-        if random.bool() {
-            leg.direction = Direction::Reverse;
-        }
-    }
-    legs
 }
 
 /// Now and then a camera's pose that differs, a pause, or its end.

@@ -1,13 +1,11 @@
 //! A blocked wheel cuts the drive; ordinary legs never do.
 
-use super::bench::{Bench, TICK, legs_through};
+use super::bench::{Bench, TICK, random_legs};
 use super::{Figure, Size};
 use firmware::signals::Event;
 use hil_sim::base::{BaseParameters, EncoderFault, Faults};
 use protocol::message::State;
-use protocol::motion::{Direction, Leg, Pose, Timing};
-use protocol::units::Radians;
-use std::f64::consts::TAU;
+use protocol::motion::Pose;
 
 /// A wheel that is wanted slower than this is not driven: it may stand, rad/s.
 const DRIVEN: f32 = 0.5;
@@ -73,7 +71,7 @@ fn time_to_cut(seed: u64, fault: fn(usize) -> Faults) -> f64 {
     let mut random = fastrand::Rng::with_seed(seed);
     let start = Pose::default();
     let mut bench = Bench::new(start, seed);
-    bench.commit(&random_legs(start, &mut random), start);
+    bench.commit(&random_legs(start, LEGS, 0.02..0.62, &mut random), start);
     let (wheel, at) = (random.usize(..2), random.u32(2..2000));
     let (mut driven_since, mut cut) = (None, None);
     let events = bench.run(|bench| {
@@ -115,7 +113,7 @@ fn ordinary_plan_fails(seed: u64) -> bool {
     parameters.time_constant = 0.04 + 0.04 * random.f64();
     let start = Pose::default();
     let mut bench = Bench::with(Default::default(), parameters, start);
-    bench.commit(&random_legs(start, &mut random), start);
+    bench.commit(&random_legs(start, LEGS, 0.02..0.62, &mut random), start);
     let events = bench.run(|bench| {
         if bench.ticks % 50 == 0 {
             let slip = [0.1 * random.f64(), 0.1 * random.f64()];
@@ -123,25 +121,4 @@ fn ordinary_plan_fails(seed: u64) -> bool {
         }
     });
     !events.iter().any(|event| matches!(event, Event::PlanDone { .. }))
-}
-
-fn random_legs(start: Pose, random: &mut fastrand::Rng) -> Vec<Leg> {
-    let (mut x, mut y) = (0.0, 0.0);
-    let points: Vec<_> = (0..LEGS)
-        .map(|_| {
-            let (bearing, length) = (random.f64() * TAU, 0.02 + 0.6 * random.f64());
-            (x, y) = (x + length * bearing.cos(), y + length * bearing.sin());
-            (x, y)
-        })
-        .collect();
-    let mut legs = legs_through(start, &points, Timing::Limits);
-    for leg in &mut legs {
-        if random.u8(..4) == 0 {
-            leg.goal_heading = Some(Radians(random.f32() * 6.0 - 3.0));
-        }
-        if random.bool() {
-            leg.direction = Direction::Reverse;
-        }
-    }
-    legs
 }
