@@ -17,7 +17,8 @@ use std::f64::consts::TAU;
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::Duration;
-use tests::{POLL, drive};
+use tests::lockstep::on_the_python_base;
+use tests::{POLL, drive, simulated_robot};
 
 const ELF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/firmware/pico.elf");
 
@@ -107,6 +108,30 @@ fn the_elf_drives_a_mission_to_its_goal_the_same_way_every_time() {
         poses
     };
     assert_eq!(run(), run());
+}
+
+/// What the emulator may differ by from the same logic in this process.
+const SAME_POSITION: f64 = 0.0001;
+
+#[test]
+fn the_elf_ends_where_the_same_logic_in_process_does() {
+    let (_, elf) = drive(robot(), legs(), START, 60, |_, _| {}).unwrap();
+    let (_, in_process) = drive(simulated_robot(START, 4), legs(), START, 60, |_, _| {}).unwrap();
+    let (elf, in_process) = (elf.truth().pose, in_process.truth().pose);
+    let off = (elf.x - in_process.x).hypot(elf.y - in_process.y);
+    println!("the ELF ends {:.4} mm from the logic in process", off * 1000.0);
+    assert!(off <= SAME_POSITION, "{elf:?} {in_process:?}");
+}
+
+#[test]
+fn the_elf_drives_somebody_elses_physics() {
+    // The example's base begins at its own origin, looking along x.
+    let options = LegOptions { timing: Timing::Limits, reverse: false };
+    let way = [Point::new(0.0, 0.0), Point::new(0.3, 0.0), Point::new(0.3, 0.2)];
+    let legs = to_legs(&way, 0.0, Some(0.0), &options, &DEFAULT_LIMITS);
+    let [x, y, heading] = on_the_python_base(pico(), legs, Pose::default()).unwrap();
+    assert!((x - 0.3).hypot(y - 0.2) < POSITION_TOLERANCE, "{x} {y}");
+    assert!(heading.abs() < HEADING_TOLERANCE, "{heading}");
 }
 
 #[test]

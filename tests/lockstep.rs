@@ -3,17 +3,15 @@
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
-use hil_sim::lockstep::Lockstep;
 use host::geometry::Point;
 use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
-use host::link::LinkClient;
-use host::link::mission::{Mission, MissionEvent};
+use host::link::mission::MissionEvent;
 use protocol::motion::{Leg, Pose, Timing};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
-use std::process::{Command, Stdio};
 use std::time::Duration;
-use tests::{POLL, drive, simulated_robot};
+use tests::lockstep::{drive_lockstep, on_the_python_base};
+use tests::{drive, simulated_robot};
 
 const START: Pose = Pose::new(0.0, 0.0, 0.0);
 
@@ -21,23 +19,6 @@ fn legs() -> Vec<Leg> {
     let way = [Point::new(0.0, 0.0), Point::new(0.4, 0.0), Point::new(0.4, 0.3)];
     let options = LegOptions { timing: Timing::Limits, reverse: false };
     to_legs(&way, 0.0, Some(0.0), &options, &DEFAULT_LIMITS)
-}
-
-/// Drives the legs on whatever answers at `stream`; where the robot believes it ended.
-fn drive_lockstep(stream: TcpStream, step: Duration) -> Pose {
-    let lockstep = Lockstep::new(InProcess::default(), stream, step).unwrap();
-    let mut client = LinkClient::new(lockstep, 42);
-    let mut mission = Mission::new(legs(), START);
-    loop {
-        let now = client.port_mut().now();
-        assert!(now < Duration::from_secs(30), "still driving");
-        for event in mission.step(&mut client, now).unwrap() {
-            if let MissionEvent::Done(pose) = event {
-                return pose;
-            }
-        }
-        client.port_mut().wait(POLL).unwrap();
-    }
 }
 
 /// A duty read from JSON may differ in its last place; over some thousand steps that stays far below.
@@ -65,7 +46,8 @@ fn lockstep_drives_as_the_simulation_does() {
         base.pose()
     });
     let (stream, _) = listener.accept().unwrap();
-    let believed = drive_lockstep(stream, Duration::from_millis(5));
+    let (robot, step) = (InProcess::default(), Duration::from_millis(5));
+    let believed = drive_lockstep(robot, stream, step, legs(), START);
     let (events, simulation) =
         drive(simulated_robot(START, 5), legs(), START, 30, |_, _| {}).unwrap();
     assert!(events.contains(&MissionEvent::Done(believed)), "{believed:?}");
@@ -76,22 +58,10 @@ fn lockstep_drives_as_the_simulation_does() {
 
 #[test]
 fn the_python_base_reaches_the_goal() {
-    if Command::new("python3").arg("--version").output().is_err() {
+    let Some([x, y, heading]) = on_the_python_base(InProcess::default(), legs(), START) else {
         println!("no python3 here: the example is not tried");
         return;
-    }
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = listener.local_addr().unwrap().port().to_string();
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/lockstep_base.py");
-    let base = Command::new("python3")
-        .args([script, "127.0.0.1", &port])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let (stream, _) = listener.accept().unwrap();
-    drive_lockstep(stream, Duration::from_millis(1));
-    let printed = base.wait_with_output().unwrap().stdout;
-    let [x, y, heading]: [f64; 3] = serde_json::from_slice(&printed).unwrap();
+    };
     // Two encoder counts of 0.15 mm, and what they turn the base by over 0.4 m.
     assert!((x - 0.4).hypot(y - 0.3) < 0.002 && heading.abs() < 0.005, "{x} {y} {heading}");
 }

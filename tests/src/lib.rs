@@ -11,6 +11,7 @@ pub mod elf_file;
 pub mod figures;
 pub mod fuzzing;
 pub mod link;
+pub mod lockstep;
 #[cfg(unix)]
 pub mod replug;
 pub mod vehicles;
