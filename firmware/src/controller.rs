@@ -16,7 +16,6 @@
 //! | emergency stop, stall, encoder, no progress, late tick | drive cut in the same tick | `Faulted`, until cleared |
 
 use crate::battery::Battery;
-use crate::kinematics::BaseGeometry;
 use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
 use crate::odometry::{Odometry, Rims};
@@ -25,15 +24,13 @@ use crate::parameters::Parameters;
 use crate::pose_history::PoseHistory;
 use crate::progress::Progress;
 use crate::signals::{Event, Outcome, Sensors};
-use crate::speed_limiter::Command;
 use crate::tracker;
-use crate::wheel_loop::{WheelLoop, WheelModel};
+use crate::wheel_pair::WheelPair;
 use protocol::message::{
     BatteryLevel, BatteryReport, Fault, PauseReason, Placement, PlanRefusal, PoseRefusal, State,
 };
 use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
 use protocol::parameters::ParameterRefusal;
-use protocol::units::RadiansPerSecond;
 
 /// After the last leg the robot holds its goal for this long, ticks, so that the wheels come to rest
 /// where they should.
@@ -61,9 +58,7 @@ enum Activity {
 #[derive(Clone, Debug)]
 pub struct Controller {
     parameters: Parameters,
-    geometry: BaseGeometry,
     rims: Rims,
-    wheel: WheelModel,
     queue: LegQueue,
     state: State,
     activity: Activity,
@@ -71,8 +66,7 @@ pub struct Controller {
     odometry: Odometry,
     history: PoseHistory,
     counts: [i32; 2],
-    wheels: [WheelLoop; 2],
-    command: Command,
+    wheels: WheelPair,
     battery: Battery,
     progress: Progress,
     leg: u16,
@@ -84,9 +78,7 @@ impl Controller {
         let counts = [0, 0];
         Self {
             parameters,
-            geometry: BaseGeometry::from(&parameters),
             rims: Rims::from(&parameters),
-            wheel: WheelModel::from(&parameters),
             queue: LegQueue::default(),
             state: State::Idle,
             activity: Activity::Resting,
@@ -94,8 +86,7 @@ impl Controller {
             odometry: Odometry::new(Pose::default(), counts),
             history: PoseHistory::default(),
             counts,
-            wheels: counts.map(WheelLoop::new),
-            command: Command::REST,
+            wheels: WheelPair::new(&parameters, counts),
             battery: Battery::default(),
             progress: Progress::new(Pose::default()),
             leg: 0,
@@ -128,13 +119,12 @@ impl Controller {
 
     /// How fast the wheels turn, measured.
     pub fn wheel_speeds(&self) -> WheelSpeeds {
-        let [left, right] = self.wheels.each_ref().map(|wheel| wheel.speed(&self.wheel));
-        WheelSpeeds { left: RadiansPerSecond(left), right: RadiansPerSecond(right) }
+        self.wheels.speeds()
     }
 
     /// How fast the wheels are commanded to turn, feedback included.
     pub fn commanded_speeds(&self) -> WheelSpeeds {
-        self.command.wheels
+        self.wheels.commanded()
     }
 
     /// The numbers of this robot.
@@ -152,9 +142,8 @@ impl Controller {
         }
         parameters.check()?;
         self.parameters = parameters;
-        self.geometry = BaseGeometry::from(&parameters);
         self.rims = Rims::from(&parameters);
-        self.wheel = WheelModel::from(&parameters);
+        self.wheels = WheelPair::new(&parameters, self.counts);
         // Its legs were found drivable within the old limits.
         self.queue.forget_batch();
         Ok(())
@@ -198,7 +187,7 @@ impl Controller {
         }
         if self.is_at_rest() {
             self.progress = Progress::new(self.odometry.pose());
-            self.wheels = self.counts.map(WheelLoop::new);
+            self.wheels.rest(self.counts);
             self.state = State::Driving;
             self.pace = Pace::FULL;
         }
@@ -296,7 +285,7 @@ impl Controller {
                 None
             }
             // The wheels are being brought to rest within the limits.
-            Activity::Settling { .. } if self.command.wheels != Command::REST.wheels => None,
+            Activity::Settling { .. } if !self.wheels.are_to_stand() => None,
             Activity::Settling { ended, .. } => {
                 let ended = *ended;
                 if self.is_halted() {
@@ -319,7 +308,7 @@ impl Controller {
             let planned = runner.rim_motion(&limits);
             self.pace = self.pace.towards(target, planned, limits.acceleration.0);
         }
-        let phases = self.pace.phases(self.command.share);
+        let phases = self.pace.phases(self.wheels.share());
         if phases == 0 {
             if self.is_halted() {
                 self.settle(runner.reference(), None);
@@ -362,7 +351,7 @@ impl Controller {
     fn rest(&mut self) {
         self.queue.clear();
         self.activity = Activity::Resting;
-        self.command = Command::REST;
+        self.wheels.rest(self.counts);
     }
 
     fn wanted_twist(&self) -> Twist {
@@ -383,29 +372,16 @@ impl Controller {
     /// Brings the wheels to what is wanted of them, and watches that they go there.
     fn drive(&mut self) -> [f32; 2] {
         if self.is_at_rest() {
-            self.wheels = self.counts.map(WheelLoop::new);
+            self.wheels.rest(self.counts);
             return [0.0, 0.0];
         }
-        let limits = self.parameters.limits();
-        self.command = self.command.towards(self.wanted_twist(), &self.geometry, &limits);
-        let duty = self.drive_wheels();
-        let commanded = self.geometry.twist(self.command.wheels);
-        let gets_on = self.progress.update(commanded, self.odometry.pose(), limits.track);
-        let fault = self.wheels.iter().find_map(WheelLoop::fault);
-        if let Some(fault) = fault.or((!gets_on).then_some(Fault::NoProgress)) {
+        let duty = self.wheels.tick(self.wanted_twist(), self.counts);
+        let (commanded, pose) = (self.wheels.commanded_twist(), self.odometry.pose());
+        let gets_on = self.progress.update(commanded, pose, self.parameters.track);
+        if let Some(fault) = self.wheels.fault().or((!gets_on).then_some(Fault::NoProgress)) {
             self.cut(fault);
             return [0.0, 0.0];
         }
         duty
-    }
-
-    fn drive_wheels(&mut self) -> [f32; 2] {
-        let WheelSpeeds { left, right } = self.command.wheels;
-        let [left_wheel, right_wheel] = &mut self.wheels;
-        let [left_count, right_count] = self.counts;
-        [
-            left_wheel.tick(left.0, left_count, &self.wheel),
-            right_wheel.tick(right.0, right_count, &self.wheel),
-        ]
     }
 }

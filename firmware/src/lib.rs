@@ -32,3 +32,4 @@ pub mod speed_limiter;
 pub mod tracker;
 mod version;
 pub mod wheel_loop;
+pub mod wheel_pair;

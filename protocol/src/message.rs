@@ -314,7 +314,7 @@ impl ResetCause {
     /// In words, after "it has restarted: ".
     pub fn explanation(self) -> &'static str {
         match self {
-            Self::PowerOn => "its power was interrupted, or its reset pin pulled",
+            Self::PowerOn => "its power came on, or its reset pin was pulled",
             Self::Command => "it was told to",
             Self::Watchdog => "its program stood still (watchdog)",
             Self::Panic => "its program failed (panic)",
