@@ -87,17 +87,27 @@ pub(super) fn leg_distance(a: Point, b: Point, rect: &Rect) -> f64 {
 }
 
 /// The square of the distance between a straight leg and a rectangle.
+///
+/// Two convex shapes apart are nearest at an end of the leg, or where the leg passes the corner that
+/// lies least far to its side.
 fn leg_square(a: Point, b: Point, rect: &Rect) -> f64 {
-    let corners = [(rect.x0, rect.y0), (rect.x1, rect.y0), (rect.x1, rect.y1), (rect.x0, rect.y1)]
-        .map(|(x, y)| Point::new(x, y));
-    let side = |c: &Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    let left = corners.iter().any(|c| side(c) >= 0.0);
-    let right = corners.iter().any(|c| side(c) <= 0.0);
-    if left && right && span_square(a, b, rect) == 0.0 {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let side = |x: f64, y: f64| dx * (y - a.y) - dy * (x - a.x);
+    // The corners furthest to the right and to the left of the leg's direction.
+    let (right_x, left_x) = if dy >= 0.0 { (rect.x1, rect.x0) } else { (rect.x0, rect.x1) };
+    let (right_y, left_y) = if dx >= 0.0 { (rect.y0, rect.y1) } else { (rect.y1, rect.y0) };
+    let nearest = if side(right_x, right_y) > 0.0 {
+        Point::new(right_x, right_y)
+    } else if side(left_x, left_y) < 0.0 {
+        Point::new(left_x, left_y)
+    } else if span_square(a, b, rect) == 0.0 {
         return 0.0;
-    }
+    } else {
+        // The line meets the rectangle, but the leg ends before.
+        return span_square(a, a, rect).min(span_square(b, b, rect));
+    };
     let from_ends = span_square(a, a, rect).min(span_square(b, b, rect));
-    corners.iter().map(|&corner| point_to_leg(corner, a, b)).fold(from_ends, f64::min)
+    from_ends.min(point_to_leg(nearest, a, b))
 }
 
 /// The square of the distance between a point and a straight leg.

@@ -56,14 +56,21 @@ impl LegTest {
         }
         let span = spanned(a, b);
         let mut stops = Vec::new();
-        let is_free = self.near(span).filter(|&grown| touch(span, grown)).all(|grown| {
-            let is_between =
-                |&c: &LatticePoint| c != a && c != b && span.contains(c) && turn(a, b, c) == 0;
-            stops.extend(grown.corners().into_iter().filter(is_between));
-            !crosses(a, b, grown)
-        });
-        if !is_free {
-            return false;
+        for grown in self.near(span) {
+            if !touch(span, grown) {
+                continue;
+            }
+            let corners = grown.corners();
+            let sides = corners.map(|corner| turn(a, b, corner));
+            if sides.iter().all(|&side| side > 0) || sides.iter().all(|&side| side < 0) {
+                continue;
+            }
+            if crosses(a, b, grown) {
+                return false;
+            }
+            let is_between = |c: LatticePoint| c != a && c != b && span.contains(c);
+            let on_line = corners.into_iter().zip(sides).filter(|(_, side)| *side == 0);
+            stops.extend(on_line.map(|(corner, _)| corner).filter(|&corner| is_between(corner)));
         }
         // Only at its ends and where it passes a corner does an oblique leg touch anything.
         a == b
@@ -137,11 +144,12 @@ impl LegTest {
         let at = |half: i64| (half.div_euclid(2) as i32, (half + 1).div_euclid(2) as i32);
         let ((x0, x1), (y0, y1)) = (at(point.0), at(point.1));
         let mut free = QUADRANTS.map(|towards| reaches_into(self.inside, point, towards));
-        self.near(LatticeRect::new(x0, y0, x1, y1)).for_each(|grown| {
+        let around = LatticeRect::new(x0, y0, x1, y1);
+        for grown in self.near(around).filter(|&grown| touch(around, grown)) {
             for (free, &towards) in free.iter_mut().zip(&QUADRANTS) {
                 *free &= !reaches_into(grown, point, towards);
             }
-        });
+        }
         free
     }
 }

@@ -18,6 +18,13 @@ pub(super) struct PortalEnd {
 /// The end of a portal at which no box's corner stands: there a shortest way never turns.
 pub(super) const NO_CORNER: u32 = u32::MAX;
 
+impl PortalEnd {
+    /// Whether a box's corner stands here.
+    pub(super) fn has_corner(&self) -> bool {
+        self.corner != NO_CORNER
+    }
+}
+
 /// A straight opening from one piece to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Portal {
@@ -32,6 +39,17 @@ pub(super) struct Portal {
 impl Portal {
     pub(super) fn new(right: PortalEnd, left: PortalEnd, beyond: u32) -> Self {
         Self { right, left, beyond, is_dead_end: false }
+    }
+
+    /// Whether both openings lie on one vertical line: what looks in through one never sees the other.
+    pub(super) fn is_on_line_of(&self, entered: &Portal) -> bool {
+        let x = entered.right.at.x;
+        entered.left.at.x == x && self.right.at.x == x && self.left.at.x == x
+    }
+
+    /// Whether this is the same opening as `entered`, seen from the other side.
+    pub(super) fn is_back_of(&self, entered: &Portal) -> bool {
+        self.right.at == entered.left.at && self.left.at == entered.right.at
     }
 }
 

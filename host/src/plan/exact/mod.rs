@@ -1,20 +1,25 @@
 //! The exact shortest path among the grown boxes: cells, portals, interval search.
 //!
 //! ```text
-//! EnlargedArena ─► sweep ─► Mesh ─► Search::shortest ─► points
-//!                  cells    portals  cones, exact signs
+//!                                 ┌► Search::shortest ─► points      the first query
+//! EnlargedArena ─► sweep ─► Mesh ─┤  cones, exact signs
+//!                  cells   portals└► Roads::shortest ─► points       those that follow
+//!                                    corners in sight of corners
 //! ```
 //! "Exact" is meant for the box-enlarged arena: obstacles keep their square corners when they grow,
 //! as in the paper. Lattice units.
 
 mod mesh;
+mod roads;
 mod search;
+mod sight;
 mod sweep;
 mod view;
 
 use super::box_index::BoxIndex;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
 use mesh::Mesh;
+use roads::Roads;
 use search::{Query, Search};
 use sweep::{Slabs, sweep};
 
@@ -27,6 +32,8 @@ pub(super) struct Exact {
     components: Vec<u32>,
     /// The cells by place, once many queries are expected.
     index: Option<BoxIndex>,
+    /// Once many queries are expected.
+    roads: Option<Box<Roads>>,
     search: Search,
 }
 
@@ -36,7 +43,7 @@ impl Exact {
         let mesh = Mesh::from_slabs(&slabs);
         let components = mesh.components();
         let Slabs { cells, .. } = slabs;
-        Self { cells, mesh, components, index: None, search: Search::default() }
+        Self { cells, mesh, components, index: None, roads: None, search: Search::default() }
     }
 
     /// The free floor as rectangles, edges included.
@@ -56,13 +63,13 @@ impl Exact {
     pub(super) fn expect_many(&mut self, inside: LatticeRect) {
         if self.index.is_none() {
             self.index = Some(BoxIndex::new(inside, &self.cells));
+            self.roads = Some(Box::new(Roads::new(&self.mesh, &self.cells)));
         }
     }
 
     /// Whether a way leads from one free point to the other.
     pub(super) fn connects(&self, start: LatticePoint, goal: LatticePoint) -> bool {
-        let (from, to) = (self.cells_at(start), self.cells_at(goal));
-        self.are_connected(&from, &to)
+        self.are_connected(self.cells_at(start).list(), self.cells_at(goal).list())
     }
 
     /// The points of the shortest way, start and goal included; `None` if there is none.
@@ -72,11 +79,14 @@ impl Exact {
         goal: LatticePoint,
     ) -> Option<Vec<LatticePoint>> {
         let (from, to) = (self.cells_at(start), self.cells_at(goal));
-        if !self.are_connected(&from, &to) {
+        let (start_pieces, goal_pieces) = (from.list(), to.list());
+        if !self.are_connected(start_pieces, goal_pieces) {
             return None;
         }
-        let query = Query { start, goal, start_pieces: &from, goal_pieces: &to };
-        self.search.shortest(&self.mesh, &query)
+        if let Some(roads) = &mut self.roads {
+            return roads.shortest(&self.mesh, (start, start_pieces), (goal, goal_pieces));
+        }
+        self.search.shortest(&self.mesh, &Query { start, goal, start_pieces, goal_pieces })
     }
 
     fn are_connected(&self, from: &[u32], to: &[u32]) -> bool {
@@ -85,12 +95,39 @@ impl Exact {
     }
 
     /// The cells that hold `point`, edges included.
-    fn cells_at(&self, point: LatticePoint) -> Vec<u32> {
-        let holds = |cell: &usize| self.cells[*cell].contains(point);
+    fn cells_at(&self, point: LatticePoint) -> Holding {
+        let mut holding = Holding::default();
+        let mut look_at = |cell: usize| {
+            if self.cells[cell].contains(point) {
+                holding.add(cell as u32);
+            }
+        };
         match &self.index {
-            Some(index) => index.at(point).filter(holds).map(|cell| cell as u32).collect(),
-            None => (0..self.cells.len()).filter(holds).map(|cell| cell as u32).collect(),
+            Some(index) => index.at(point).for_each(look_at),
+            None => (0..self.cells.len()).for_each(&mut look_at),
         }
+        holding
+    }
+}
+
+/// The cells that hold one point: one, or two that share the edge on which it lies.
+#[derive(Clone, Copy, Debug, Default)]
+struct Holding {
+    cells: [u32; 2],
+    count: usize,
+}
+
+impl Holding {
+    /// Of free intervals of one x the ends never touch, so a third cell cannot hold the point.
+    fn add(&mut self, cell: u32) {
+        if let Some(place) = self.cells.get_mut(self.count) {
+            *place = cell;
+            self.count += 1;
+        }
+    }
+
+    fn list(&self) -> &[u32] {
+        &self.cells[..self.count]
     }
 }
 

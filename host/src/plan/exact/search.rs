@@ -11,7 +11,7 @@
 //! 1e-15. Lengths, which only rank nodes, are `f64`. Lattice units.
 
 use super::super::ranked::Ranked;
-use super::mesh::{Mesh, NO_CORNER, Portal, PortalEnd};
+use super::mesh::{Mesh, Portal, PortalEnd};
 use super::view::{Ray, Sides, View, cross, dot, least_length, ray};
 use crate::grid::LatticePoint;
 use std::collections::BinaryHeap;
@@ -160,8 +160,7 @@ impl Search {
         let left = left.and_then(|_| self.turn_at(&node.root, &entered.left));
         for number in mesh.range(entered.beyond) {
             let portal = mesh.portal(number);
-            let is_back = portal.right.at == entered.left.at && portal.left.at == entered.right.at;
-            if is_back || (self.avoids_dead_ends && portal.is_dead_end) {
+            if portal.is_back_of(entered) || (self.avoids_dead_ends && portal.is_dead_end) {
                 continue;
             }
             let Some(view) = view else {
@@ -207,16 +206,9 @@ impl Search {
         sides: &Sides,
         (portal, number): (&Portal, usize),
     ) {
-        let (u, w) = (sides.right_end, sides.left_end);
-        if w.0 > 0 && u.1 < 0 {
-            let seen = View {
-                right: if u.0 > 0 { ray(root.at, portal.right.at) } else { view.right },
-                left: if w.1 < 0 { ray(root.at, portal.left.at) } else { view.left },
-                right_at_end: u.0 >= 0,
-                left_at_end: w.1 <= 0,
-            };
+        if let Some(seen) = sides.narrow(root.at, view, portal) {
             self.made.push(Node { root: *root, portal: number as u32, view: Some(seen) });
-        } else if (u.0 == 0 && w.0 == 0) || (u.1 == 0 && w.1 == 0) {
+        } else if sides.is_in_line() {
             self.see(*root, portal, number);
         }
     }
@@ -253,7 +245,7 @@ impl Search {
 
     /// The corner at `end` as the next root, unless there is none or a shorter way to it is known.
     fn turn_at(&mut self, root: &Root, end: &PortalEnd) -> Option<Root> {
-        if end.corner == NO_CORNER {
+        if !end.has_corner() {
             return None;
         }
         let length = root.length + root.at.distance(end.at);
@@ -322,17 +314,20 @@ impl Search {
 }
 
 /// Drops points at which the way does not turn.
-fn straighten(points: &mut Vec<LatticePoint>) {
-    let mut kept: Vec<LatticePoint> = Vec::with_capacity(points.len());
-    for &point in points.iter() {
-        while let [.., before, last] = kept[..] {
+pub(super) fn straighten(points: &mut Vec<LatticePoint>) {
+    let mut kept = 0;
+    for index in 0..points.len() {
+        let point = points[index];
+        while kept > 1 {
+            let (before, last) = (points[kept - 2], points[kept - 1]);
             let (u, w) = (ray(before, last), ray(last, point));
             if last != point && (cross(u, w) != 0 || dot(u, w) < 0) {
                 break;
             }
-            kept.pop();
+            kept -= 1;
         }
-        kept.push(point);
+        points[kept] = point;
+        kept += 1;
     }
-    *points = kept;
+    points.truncate(kept);
 }

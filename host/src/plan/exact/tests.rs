@@ -17,8 +17,12 @@ fn arena(boxes: &[[i32; 4]]) -> EnlargedArena {
 fn way(boxes: &[[i32; 4]], start: (i32, i32), goal: (i32, i32)) -> Option<Vec<(i32, i32)>> {
     let arena = arena(boxes);
     let [start, goal] = [start, goal].map(|(x, y)| LatticePoint::new(x, y));
-    let points = Exact::new(&arena).shortest(start, goal);
+    let mut exact = Exact::new(&arena);
+    let points = exact.shortest(start, goal);
     agrees(&arena, start, goal, points.as_deref()).unwrap();
+    exact.expect_many(arena.inside);
+    let by_roads = exact.shortest(start, goal);
+    agrees(&arena, start, goal, by_roads.as_deref()).unwrap();
     points.map(|points| points.iter().map(|p| (p.x, p.y)).collect())
 }
 
@@ -140,16 +144,18 @@ proptest! {
     #[test]
     fn the_way_is_as_short_as_the_oracle_s(
         boxes in boxes(),
-        ends in proptest::array::uniform4(0..=SIZE),
+        queries in proptest::collection::vec(proptest::array::uniform4(0..=SIZE), 1..6),
     ) {
         let arena = arena(&boxes);
         let mut exact = Exact::new(&arena);
-        let (start, goal) = (LatticePoint::new(ends[0], ends[1]), LatticePoint::new(ends[2], ends[3]));
-        let is_free = |point: LatticePoint| exact.free().iter().any(|cell| cell.contains(point));
-        if !(is_free(start) && is_free(goal)) {
-            return Ok(());
+        for [x0, y0, x1, y1] in queries {
+            let (start, goal) = (LatticePoint::new(x0, y0), LatticePoint::new(x1, y1));
+            if exact.holds(start) && exact.holds(goal) {
+                // The first by cones, the others by roads that each query finds and adds to.
+                let points = exact.shortest(start, goal);
+                agrees(&arena, start, goal, points.as_deref())?;
+                exact.expect_many(arena.inside);
+            }
         }
-        let points = exact.shortest(start, goal);
-        agrees(&arena, start, goal, points.as_deref())?;
     }
 }

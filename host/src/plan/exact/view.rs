@@ -54,6 +54,23 @@ impl Sides {
         self.right_end.0 < 0 || (is_same_end && self.left_end.0 < 0)
     }
 
+    /// What `view` shows of the portal, seen from `root`; `None` if nothing.
+    pub(super) fn narrow(&self, root: LatticePoint, view: &View, portal: &Portal) -> Option<View> {
+        let (u, w) = (self.right_end, self.left_end);
+        (w.0 > 0 && u.1 < 0).then(|| View {
+            right: if u.0 > 0 { ray(root, portal.right.at) } else { view.right },
+            left: if w.1 < 0 { ray(root, portal.left.at) } else { view.left },
+            right_at_end: u.0 >= 0,
+            left_at_end: w.1 <= 0,
+        })
+    }
+
+    /// Whether the portal lies along one of the view's rays.
+    pub(super) fn is_in_line(&self) -> bool {
+        let (u, w) = (self.right_end, self.left_end);
+        (u.0 == 0 && w.0 == 0) || (u.1 == 0 && w.1 == 0)
+    }
+
     /// As [`Self::right_of_right`], mirrored.
     pub(super) fn left_of_left(&self, is_same_end: bool) -> bool {
         self.left_end.1 > 0 || (is_same_end && self.right_end.1 > 0)
