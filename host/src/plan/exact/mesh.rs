@@ -112,9 +112,12 @@ impl Mesh {
     /// paper's un-useful areas.
     fn find_dead_ends(&mut self) {
         let pieces = self.pieces() as u32;
-        let mut ways: Vec<usize> = (0..pieces).map(|piece| self.portals(piece).len()).collect();
+        let mut ways: Vec<u32> = self.first.windows(2).map(|pair| pair[1] - pair[0]).collect();
         self.dead_ends = vec![false; ways.len()];
         let mut waiting: Vec<u32> = (0..pieces).filter(|&piece| ways[piece as usize] < 2).collect();
+        if waiting.is_empty() {
+            return;
+        }
         while let Some(piece) = waiting.pop() {
             self.dead_ends[piece as usize] = true;
             for portal in &self.portals[self.range(piece)] {
@@ -125,8 +128,14 @@ impl Mesh {
                 }
             }
         }
-        for portal in &mut self.portals {
-            portal.is_dead_end = self.dead_ends[portal.beyond as usize];
+        let mut into = Vec::new();
+        for piece in (0..pieces).filter(|&piece| self.dead_ends[piece as usize]) {
+            into.extend(self.portals[self.range(piece)].iter().map(|portal| portal.beyond));
+            for neighbour in into.drain(..) {
+                let range = self.range(neighbour);
+                let ways = self.portals[range].iter_mut().filter(|way| way.beyond == piece);
+                ways.for_each(|way| way.is_dead_end = true);
+            }
         }
     }
 
@@ -154,29 +163,32 @@ impl Mesh {
     }
 
     /// By piece, the number of its component: pieces of different components are not connected.
+    ///
+    /// Pieces point to one with a lower number that they are connected with; neighbours have near
+    /// numbers, so that this walks through memory in order where a search would jump.
     pub(super) fn components(&self) -> Vec<u32> {
-        const UNSEEN: u32 = u32::MAX;
-        let mut component = vec![UNSEEN; self.pieces()];
-        let mut waiting = Vec::new();
-        let mut count = 0;
+        let mut lower: Vec<u32> = (0..self.pieces() as u32).collect();
         for piece in 0..self.pieces() as u32 {
-            if component[piece as usize] != UNSEEN {
-                continue;
+            for portal in self.portals(piece).iter().filter(|portal| portal.beyond < piece) {
+                let (a, b) = (lowest(&mut lower, piece), lowest(&mut lower, portal.beyond));
+                lower[a.max(b) as usize] = a.min(b);
             }
-            component[piece as usize] = count;
-            waiting.push(piece);
-            while let Some(at) = waiting.pop() {
-                for portal in self.portals(at) {
-                    if component[portal.beyond as usize] == UNSEEN {
-                        component[portal.beyond as usize] = count;
-                        waiting.push(portal.beyond);
-                    }
-                }
-            }
-            count += 1;
         }
-        component
+        for piece in 0..lower.len() {
+            lower[piece] = lower[lower[piece] as usize];
+        }
+        lower
     }
+}
+
+/// The lowest piece known to be connected with `piece`; halves the way there.
+fn lowest(lower: &mut [u32], mut piece: u32) -> u32 {
+    while lower[piece as usize] != piece {
+        let further = lower[lower[piece as usize] as usize];
+        lower[piece as usize] = further;
+        piece = further;
+    }
+    piece
 }
 
 #[cfg(test)]

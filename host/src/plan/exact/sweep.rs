@@ -49,7 +49,7 @@ pub(super) fn sweep(arena: &EnlargedArena) -> Slabs {
     if let Some(first) = groups.next_if(|group| group[0].x == inside.x0) {
         first.iter().for_each(|event| sweep.coverage.apply(event));
     }
-    sweep.replace(inside.x0, (inside.y0, inside.y1));
+    sweep.replace(inside.x0, Affected { range: (inside.y0, inside.y1), first: 0, step: 0 });
     for group in groups.take_while(|group| group[0].x < inside.x1) {
         group.iter().for_each(|event| sweep.coverage.apply(event));
         changed.clear();
@@ -59,9 +59,9 @@ pub(super) fn sweep(arena: &EnlargedArena) -> Slabs {
         for &range in &changed {
             // What the ranges before have already led to needs no second look.
             if range.1 > done {
-                let range = sweep.affected(range);
-                sweep.replace(group[0].x, range);
-                done = range.1;
+                let affected = sweep.affected(range);
+                sweep.replace(group[0].x, affected);
+                done = affected.range.1;
             }
         }
     }
@@ -106,8 +106,10 @@ impl Coverage {
     }
 
     fn apply(&mut self, event: &Event) {
-        let first = self.split(event.y0);
-        let last = self.split(event.y1);
+        let first = self.split(event.y0, self.steps.partition_point(|step| step.0 < event.y0));
+        // A box covers few steps: to walk there is quicker than to search.
+        let ahead = self.steps[first..].iter().take_while(|step| step.0 < event.y1).count();
+        let last = self.split(event.y1, first + ahead);
         for step in &mut self.steps[first..last] {
             step.1 += event.change;
         }
@@ -123,19 +125,22 @@ impl Coverage {
         self.steps.drain(kept..=last);
     }
 
-    /// The index of the step that begins at `y`, made if there is none.
-    fn split(&mut self, y: i32) -> usize {
-        let index = self.steps.partition_point(|step| step.0 < y);
+    /// The step that begins at `y`, made if there is none; `index` is the first that begins there or above.
+    fn split(&mut self, y: i32, index: usize) -> usize {
         if self.steps[index].0 != y {
             self.steps.insert(index, (y, self.steps[index - 1].1));
         }
         index
     }
 
-    /// The free intervals that touch the range.
-    fn free(&self, (low, high): (i32, i32)) -> impl Iterator<Item = (i32, i32)> {
-        let first = self.steps.partition_point(|step| step.0 < low).saturating_sub(1);
-        let touching = self.steps[first..].windows(2).take_while(move |pair| pair[0].0 <= high);
+    /// The step in which the stretch below `y` lies.
+    fn below(&self, y: i32) -> usize {
+        self.steps.partition_point(|step| step.0 < y).saturating_sub(1)
+    }
+
+    /// The free intervals that touch the range, from a step that touches it or lies below.
+    fn free(&self, (low, high): (i32, i32), step: usize) -> impl Iterator<Item = (i32, i32)> {
+        let touching = self.steps[step..].windows(2).take_while(move |pair| pair[0].0 <= high);
         touching
             .filter(move |pair| pair[0].1 == 0 && pair[1].0 >= low)
             .map(|pair| (pair[0].0, pair[1].0))
@@ -148,6 +153,16 @@ struct OpenCell {
     y0: i32,
     y1: i32,
     index: u32,
+}
+
+/// A range in which cells change.
+#[derive(Clone, Copy, Debug)]
+struct Affected {
+    range: (i32, i32),
+    /// The first open cell that touches it.
+    first: usize,
+    /// A step that touches it or lies below.
+    step: usize,
 }
 
 struct Sweep {
@@ -163,16 +178,23 @@ struct Sweep {
 impl Sweep {
     /// The range that changes with `range`: all free intervals that touch it, before and after, and
     /// those that touch these.
-    fn affected(&self, mut range: (i32, i32)) -> (i32, i32) {
+    fn affected(&self, mut range: (i32, i32)) -> Affected {
+        let mut first = self.open.partition_point(|cell| cell.y1 < range.0);
+        let mut step = self.coverage.below(range.0);
         loop {
-            let first = self.open.partition_point(|cell| cell.y1 < range.0);
+            while first > 0 && self.open[first - 1].y1 >= range.0 {
+                first -= 1;
+            }
+            while step > 0 && self.coverage.steps[step].0 >= range.0 {
+                step -= 1;
+            }
             let before = self.open[first..].iter().take_while(|cell| cell.y0 <= range.1);
             let before = before.map(|cell| (cell.y0, cell.y1));
             let wider = before
-                .chain(self.coverage.free(range))
+                .chain(self.coverage.free(range, step))
                 .fold(range, |wide, (y0, y1)| (wide.0.min(y0), wide.1.max(y1)));
             if wider == range {
-                return range;
+                return Affected { range, first, step };
             }
             range = wider;
         }
@@ -180,14 +202,13 @@ impl Sweep {
 
     /// Closes at `x` the cells in `range` that do not go on unchanged, opens those that begin, and
     /// makes the doors between.
-    fn replace(&mut self, x: i32, range: (i32, i32)) {
-        let first = self.open.partition_point(|cell| cell.y1 < range.0);
-        let count = self.open[first..].partition_point(|cell| cell.y0 <= range.1);
+    fn replace(&mut self, x: i32, Affected { range, first, step }: Affected) {
+        let count = self.open[first..].iter().take_while(|cell| cell.y0 <= range.1).count();
         self.before.clear();
         self.before.extend_from_slice(&self.open[first..first + count]);
         self.after.clear();
         let mut old = self.before.iter().peekable();
-        for (y0, y1) in self.coverage.free(range) {
+        for (y0, y1) in self.coverage.free(range, step) {
             while old.next_if(|cell| (cell.y0, cell.y1) < (y0, y1)).is_some() {}
             let same = old.next_if(|cell| (cell.y0, cell.y1) == (y0, y1));
             self.after.push(same.copied().unwrap_or_else(|| {
