@@ -22,14 +22,19 @@ const SEED: u64 = 1;
 
 /// Runs the demo; an error unless the goal is reached.
 pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
-    let vision =
-        VisionArgs { arena: Some(ARENA), corners: None, camera: None, method: MethodName::Robust };
+    let vision = VisionArgs {
+        arena: Some(ARENA),
+        corners: Vec::new(),
+        camera: None,
+        method: MethodName::Robust,
+    };
     let way_args = WayArgs {
         start: None,
         goal: Some(Goal { position: GOAL, heading: None }),
         radius: None,
         margin: None,
         cost: CostName::Length,
+        corners: host::plan::Corners::Square,
         resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,

@@ -10,6 +10,10 @@ use std::time::Duration;
 
 /// `wmr detect`.
 pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
+    if args.vision.grown_corners().is_some() {
+        let help = "give four pixels \"x,y x,y x,y x,y\", or use wmr plan";
+        return Err(CliError::usage("obstacles grow only when a way is planned", help));
+    }
     let bytes = input::read_bytes(&args.photo)?;
     if bytes.is_empty() {
         let message = format!("{} is empty", args.photo.display());

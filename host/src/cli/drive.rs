@@ -21,8 +21,9 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
             keep_steps: args.log.is_some(),
         },
     )?;
-    let way = way::find(&input, &args.way, MarginRule::ForDriving, output)?;
-    let run = drive_way(&way, &args.way, &args.port, args.sim_seed, output)?;
+    let asked = args.way.with_corners(&args.vision);
+    let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
+    let run = drive_way(&way, &asked, &args.port, args.sim_seed, output)?;
     if let Some(folder) = &args.log {
         let folder = Folder::create(folder)?;
         folder.input(&input, way.file.scene.robot_radius)?;

@@ -94,6 +94,7 @@ impl From<PlanError> for CliError {
         let exit = match &error {
             PlanError::Grid(_) => Exit::File,
             PlanError::Unsafe { .. } => Exit::Bug,
+            PlanError::RoundNeedsExact => Exit::Usage,
             _ => Exit::NoPath,
         };
         let help = "move an obstacle, or try a smaller --radius or --margin";

@@ -60,7 +60,7 @@ impl Folder {
                 self.write("13_tree.svg", picture::plan::path_tree(tree, stages).as_bytes())?;
             }
         }
-        self.write("14_path.svg", picture::plan::path(scene, plan).as_bytes())
+        self.write("14_path.svg", picture::plan::path(scene, plan, &way.options).as_bytes())
     }
 
     /// Writes down a run.

@@ -20,13 +20,14 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
             keep_steps: args.steps.is_some(),
         },
     )?;
+    let asked = args.way.with_corners(&args.vision);
     if args.queries {
-        let document = queries::answers(&input, &args.way)?;
+        let document = queries::answers(&input, &asked)?;
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
         output.result(&document, &text);
         return Ok(());
     }
-    let way = way::find(&input, &args.way, MarginRule::AsAsked, output)?;
+    let way = way::find(&input, &asked, MarginRule::AsAsked, output)?;
     if let Some(path) = &args.output {
         write_file(path, format!("{}\n", json!(way.file)).as_bytes())?;
     }

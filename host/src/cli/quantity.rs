@@ -1,6 +1,8 @@
 //! Numbers with units as a person types them: metres and degrees, or with a suffix.
 
+use super::args::CornersWord;
 use host::geometry::{Arena, Point};
+use host::plan::Corners;
 use host::scene::Goal;
 
 const LENGTHS: [(&str, f64); 3] = [("mm", 0.001), ("cm", 0.01), ("m", 1.0)];
@@ -86,8 +88,13 @@ pub(crate) fn place(text: &str) -> Result<Goal, String> {
     Ok(Goal { position: Point::new(length(x)?, length(y)?), heading })
 }
 
-/// Four corners from `x,y x,y x,y x,y`, pixels.
-pub(crate) fn corners(text: &str) -> Result<[[f64; 2]; 4], String> {
+/// Four corners from `x,y x,y x,y x,y`, pixels, or `square` or `round`.
+pub(crate) fn corners(text: &str) -> Result<CornersWord, String> {
+    match text {
+        "square" => return Ok(CornersWord::Grown(Corners::Square)),
+        "round" => return Ok(CornersWord::Grown(Corners::Round)),
+        _ => {}
+    }
     let corner = |pair: &str| {
         let (x, y) = pair.split_once(',')?;
         Some([finite(x)?, finite(y)?])
@@ -95,7 +102,8 @@ pub(crate) fn corners(text: &str) -> Result<[[f64; 2]; 4], String> {
     let corners: Option<Vec<_>> = text.split_whitespace().map(corner).collect();
     corners
         .and_then(|corners| corners.try_into().ok())
-        .ok_or_else(|| format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise"))
+        .map(CornersWord::InPhoto)
+        .ok_or_else(|| format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise, or square or round"))
 }
 
 fn scaled(text: &str, units: &[(&str, f64)], bare: f64) -> Option<f64> {
@@ -122,7 +130,9 @@ mod tests {
         assert_eq!(angle("1.5rad"), Ok(1.5));
         assert_eq!(arena("160cmx2.0"), Ok(Arena { width: 1.6, height: 2.0 }));
         assert_eq!(place("0.1,20cm,90").unwrap().heading, Some(std::f64::consts::FRAC_PI_2));
-        assert_eq!(corners("0,1 2,3 4,5 6,7").unwrap()[3], [6.0, 7.0]);
+        let four = [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 7.0]];
+        assert_eq!(corners("0,1 2,3 4,5 6,7"), Ok(CornersWord::InPhoto(four)));
+        assert_eq!(corners("round"), Ok(CornersWord::Grown(Corners::Round)));
     }
 
     #[test]

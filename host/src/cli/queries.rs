@@ -19,7 +19,12 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
     };
     let scene = with_radius(scene, args.radius);
     let margin = Margin::uniform(args.margin.unwrap_or(0.0));
-    let options = PlanOptions { planner: planner(args.planner), margin, cost: cost(args.cost) };
+    let options = PlanOptions {
+        planner: planner(args.planner),
+        margin,
+        cost: cost(args.cost),
+        corners: args.corners,
+    };
     let began = Instant::now();
     let mut arena = PreparedArena::new(&scene, &options)?;
     let build = microseconds(began);

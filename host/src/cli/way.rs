@@ -7,7 +7,7 @@ use super::output::Output;
 use host::geometry::Pose;
 use host::grid::Margin;
 use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::plan::{Cost, MotionLimits, Plan, PlanError, PlanOptions, Planner, PreparedArena};
+use host::plan::{Cost, Plan, PlanError, PlanOptions, Planner, PreparedArena};
 use host::plan_file::{PlanFile, PlanTiming};
 use host::scene::{Goal, Scene};
 use protocol::motion::{Limits, Timing};
@@ -20,6 +20,8 @@ pub(crate) struct PlannedWay {
     pub(crate) file: PlanFile,
     /// `None` if the way was read from a file.
     pub(crate) plan: Option<Plan>,
+    /// What it was planned with.
+    pub(crate) options: PlanOptions,
 }
 
 /// The margins that are tried where none is asked for, metres: what a real robot needs to be safe
@@ -47,7 +49,7 @@ pub(crate) fn find(
     let planner = planner(args.planner);
     match input {
         Input::Plan(file) if keeps_margin(file, args, rule) => {
-            Ok(PlannedWay { file: (**file).clone(), plan: None })
+            Ok(PlannedWay { file: (**file).clone(), plan: None, options: PlanOptions::default() })
         }
         Input::Plan(file) => {
             output.say("the plan keeps less than the margin for driving, so its way is planned anew; --margin 0 drives it as it is");
@@ -99,6 +101,7 @@ fn plan_way(
         planner,
         margin: Margin { uniform, per_obstacle: margins.to_vec() },
         cost: cost(args.cost),
+        corners: args.corners,
     };
     let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)?;
     if tried.first() != Some(&margin) {
@@ -117,7 +120,8 @@ fn plan_way(
     let legs =
         to_legs(&plan.waypoints, start.heading, goal.heading, &leg_options(args), &DEFAULT_LIMITS);
     let seconds = duration(&legs, &DEFAULT_LIMITS);
-    Ok(PlannedWay { file: PlanFile::new(&plan, &scene, &legs, seconds, timing), plan: Some(plan) })
+    let file = PlanFile::new(&plan, &scene, &legs, seconds, timing);
+    Ok(PlannedWay { file, plan: Some(plan), options: options(margin) })
 }
 
 /// In an arena of so few obstacles the grid method takes no time worth mentioning.
@@ -128,7 +132,8 @@ fn with_grid(plan: Plan, scene: &Scene, (start, goal): (Pose, Goal), options: Pl
     if plan.grid.is_some() || scene.obstacles.len() > FEW_OBSTACLES {
         return plan;
     }
-    let options = PlanOptions { planner: Planner::Grid, ..options };
+    let options =
+        PlanOptions { planner: Planner::Grid, margin: options.margin, ..PlanOptions::default() };
     let grid = host::plan::plan(scene, start.position, goal.position, &options);
     Plan { grid: grid.ok().and_then(|plan| plan.grid), ..plan }
 }
@@ -197,11 +202,7 @@ pub(crate) fn planner(name: PlannerName) -> Planner {
 pub(crate) fn cost(name: CostName) -> Cost {
     match name {
         CostName::Length => Cost::Length,
-        CostName::Time => Cost::Time(MotionLimits {
-            speed: DEFAULT_LIMITS.speed.0.into(),
-            acceleration: DEFAULT_LIMITS.acceleration.0.into(),
-            track: DEFAULT_LIMITS.track.0.into(),
-        }),
+        CostName::Time => Cost::Time(DEFAULT_LIMITS),
         CostName::Turns => Cost::Turns,
     }
 }

@@ -4,6 +4,7 @@ use super::svg::{Svg, Swatch, TITLE_HEIGHT};
 use crate::geometry::{Arena, Point, Rect};
 use crate::grid::{LatticePoint, LatticeRect};
 use crate::scene::Scene;
+use std::f64::consts::FRAC_PI_2;
 
 /// The longer side of the floor in a picture, pixels.
 const FLOOR_SIZE: f64 = 760.0;
@@ -46,6 +47,28 @@ impl Floor {
         let size = ((x1 - x0) * self.scale, (y1 - y0) * self.scale);
         let corner = self.pixel(Point::new(x0, y1));
         self.svg.rect(corner, size, class);
+    }
+
+    /// `rect` with corners of `radius` metres, cut off at the arena's border.
+    pub(super) fn rounded(&mut self, rect: Rect, radius: f64, class: &str) {
+        const POINTS_PER_CORNER: u32 = 9;
+        let centres = [
+            (rect.x1 - radius, rect.y1 - radius),
+            (rect.x0 + radius, rect.y1 - radius),
+            (rect.x0 + radius, rect.y0 + radius),
+            (rect.x1 - radius, rect.y0 + radius),
+        ];
+        let (width, height) = (self.arena.width, self.arena.height);
+        let corner = |(quarter, (x, y)): (usize, (f64, f64))| {
+            (0..POINTS_PER_CORNER).map(move |index| {
+                let part = f64::from(index) / f64::from(POINTS_PER_CORNER - 1);
+                let angle = FRAC_PI_2 * (quarter as f64 + part);
+                let (x, y) = (x + radius * angle.cos(), y + radius * angle.sin());
+                Point::new(x.clamp(0.0, width), y.clamp(0.0, height))
+            })
+        };
+        let outline: Vec<Point> = centres.into_iter().enumerate().flat_map(corner).collect();
+        self.polyline(&outline, class);
     }
 
     pub(super) fn polyline(&mut self, points: &[Point], class: &str) {

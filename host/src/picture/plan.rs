@@ -5,8 +5,8 @@ use super::floor::{Floor, metres};
 use super::grid::grown;
 use super::svg::{Svg, Swatch};
 use crate::geometry::Point;
-use crate::grid::LatticePoint;
-use crate::plan::{GridStages, PathTree, Plan};
+use crate::grid::{LatticePoint, enlarge};
+use crate::plan::{Corners, GridStages, PathTree, Plan, PlanOptions};
 use crate::scene::Scene;
 
 /// Global paths drawn of a tree; more would not be read.
@@ -125,8 +125,8 @@ fn draw_nodes(svg: &mut Svg, tree: &PathTree, layout: &Layout, chosen: Option<us
 }
 
 /// The path as SVG: the areas of the global path, entry and exit points, which of them were dropped,
-/// and the legs that are left.
-pub fn path(scene: &Scene, plan: &Plan) -> String {
+/// and the legs that are left. `options` are those that it was planned with: they say how obstacles grow.
+pub fn path(scene: &Scene, plan: &Plan, options: &PlanOptions) -> String {
     let legs = plan.waypoints.len() - 1;
     let subtitle = format!(
         "{legs} leg{}, {:.3} m long, never nearer than {:.1} cm to an obstacle or the border",
@@ -137,9 +137,14 @@ pub fn path(scene: &Scene, plan: &Plan) -> String {
     let mut floor = Floor::new(scene.arena, "The way from start to goal", &subtitle);
     let mut legend = vec![(Swatch::Fill("obstacle"), "obstacle")];
     if let Some(stages) = &plan.grid {
-        global_path(&mut floor, scene, stages, &mut legend);
-    } else {
-        floor.obstacles(scene);
+        for &area in &stages.global_path.areas {
+            floor.rect(metres(stages.closed.rect(area)), "area chosen");
+        }
+    }
+    grown_obstacles(&mut floor, scene, options, &mut legend);
+    floor.obstacles(scene);
+    if let Some(stages) = &plan.grid {
+        global_path(&mut floor, stages, &mut legend);
     }
     floor.polyline(&plan.waypoints, "path");
     legend.push((Swatch::Line("path"), "path"));
@@ -153,23 +158,32 @@ pub fn path(scene: &Scene, plan: &Plan) -> String {
     floor.finish(&legend)
 }
 
-fn global_path(
+/// The obstacles as the robot's centre sees them, and the border likewise.
+fn grown_obstacles(
     floor: &mut Floor,
     scene: &Scene,
-    stages: &GridStages,
+    options: &PlanOptions,
     legend: &mut Vec<(Swatch, &str)>,
 ) {
-    for &area in &stages.global_path.areas {
-        floor.rect(metres(stages.closed.rect(area)), "area chosen");
+    let Ok(arena) = enlarge(scene, &options.margin) else { return };
+    match options.corners {
+        Corners::Square => grown(floor, &arena),
+        Corners::Round => {
+            let radius = scene.robot_radius + options.margin.uniform;
+            arena.boxes.iter().for_each(|&rect| floor.rounded(metres(rect), radius, "grown"));
+        }
     }
-    grown(floor, &stages.arena);
-    floor.rect(metres(stages.arena.inside), "inside");
-    floor.obstacles(scene);
-    let local: Vec<Point> = stages.entry_exit_points.iter().map(|p| p.to_metres()).collect();
-    floor.polyline(&local, "local");
+    floor.rect(metres(arena.inside), "inside");
     legend.extend([
         (Swatch::Fill("grown"), "grown by the radius"),
         (Swatch::Line("inside"), "border shrunk by the radius"),
+    ]);
+}
+
+fn global_path(floor: &mut Floor, stages: &GridStages, legend: &mut Vec<(Swatch, &str)>) {
+    let local: Vec<Point> = stages.entry_exit_points.iter().map(|p| p.to_metres()).collect();
+    floor.polyline(&local, "local");
+    legend.extend([
         (Swatch::Fill("area chosen"), "global path"),
         (Swatch::Line("local"), "local path"),
     ]);
@@ -191,7 +205,7 @@ fn points(floor: &mut Floor, stages: &GridStages, legend: &mut Vec<(Swatch, &str
 mod tests {
     use super::*;
     use crate::grid::Area;
-    use crate::plan::{PlanOptions, Planner, plan};
+    use crate::plan::{Planner, plan};
 
     fn paper() -> (Scene, Plan) {
         let scene = Scene::from_json(include_str!("../../assets/paper.json")).unwrap();
@@ -214,9 +228,23 @@ mod tests {
     #[test]
     fn the_path_shows_each_point_once_as_kept_or_dropped() {
         let (scene, plan) = paper();
-        let svg = path(&scene, &plan);
+        let svg = path(&scene, &plan, &PlanOptions::default());
         let dots = |class: &str| svg.matches(&format!("r=\"4.50\" class=\"{class}\"")).count();
         let stages = plan.grid.unwrap();
         assert_eq!(dots("dropped"), stages.entry_exit_points.len() - stages.kept.len());
+    }
+    #[test]
+    fn an_exact_way_is_drawn_with_the_grown_boxes_as_they_grew() {
+        let (scene, _) = paper();
+        let (start, goal) = (scene.start.unwrap().position, scene.goal.unwrap().position);
+        let drawn = |corners: Corners| {
+            let options = PlanOptions { corners, ..Default::default() };
+            path(&scene, &plan(&scene, start, goal, &options).unwrap(), &options)
+        };
+        let (square, round) = (drawn(Corners::Square), drawn(Corners::Round));
+        let grown = |svg: &str| svg.matches("class=\"grown\"").count();
+        assert_eq!((grown(&square), grown(&round)), (5, 5), "four obstacles and the legend");
+        let lines = |svg: &str| svg.matches("<polyline").count();
+        assert_eq!(lines(&round), lines(&square) + 4);
     }
 }

@@ -9,8 +9,9 @@
 use super::LegTest;
 use super::ranked::Ranked;
 use crate::grid::{EnlargedArena, LatticePoint, UNITS_PER_METRE};
+use protocol::motion::{Limits, Profile, TICK_MILLISECONDS};
+use protocol::units::Metres;
 use std::collections::{BinaryHeap, HashMap};
-use std::f64::consts::PI;
 
 /// What makes a way good.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,26 +20,9 @@ pub enum Cost {
     #[default]
     Length,
     /// The quickest within the wheels' limits: turn on the spot, drive, turn, drive.
-    Time(MotionLimits),
+    Time(Limits),
     /// The one with the fewest turns, and of these the shortest.
     Turns,
-}
-
-/// What the wheels can do; the defaults are those of the design.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionLimits {
-    /// Largest speed at the wheel's rim, m/s.
-    pub speed: f64,
-    /// Largest acceleration at the wheel's rim, m/s².
-    pub acceleration: f64,
-    /// The distance between the wheels, m.
-    pub track: f64,
-}
-
-impl Default for MotionLimits {
-    fn default() -> Self {
-        Self { speed: 0.4, acceleration: 0.8, track: 0.12 }
-    }
 }
 
 /// More than any way is long, metres: one turn less is worth every detour.
@@ -48,15 +32,15 @@ impl Cost {
     /// The cost of driving `length` metres straight on.
     ///
     /// ```
-    /// use host::plan::{Cost, MotionLimits};
+    /// use host::{legs::DEFAULT_LIMITS, plan::Cost};
     /// assert_eq!(Cost::Length.of_leg(1.5), 1.5);
-    /// // At 0.4 m/s at most, with the mean of a 1 − cos profile half of that.
-    /// assert_eq!(Cost::Time(MotionLimits::default()).of_leg(1.0), 5.0);
+    /// // 1/0.4 s at 0.4 m/s, π 0.4 / 1.6 s for the ramps at 0.8 m/s², in whole ticks of 5 ms.
+    /// assert_eq!(Cost::Time(DEFAULT_LIMITS).of_leg(1.0), 3.29);
     /// ```
     pub fn of_leg(&self, length: f64) -> f64 {
         match self {
             Self::Length | Self::Turns => length,
-            Self::Time(limits) => limits.interval(length),
+            Self::Time(limits) => seconds(length, limits),
         }
     }
 
@@ -64,7 +48,7 @@ impl Cost {
     pub fn of_turn(&self, angle: f64) -> f64 {
         match self {
             Self::Length => 0.0,
-            Self::Time(limits) => limits.interval(angle.abs() * limits.track / 2.0),
+            Self::Time(limits) => seconds(angle.abs() * f64::from(limits.track.0) / 2.0, limits),
             Self::Turns if angle == 0.0 => 0.0,
             Self::Turns => TURN_PRICE,
         }
@@ -78,12 +62,11 @@ impl Cost {
     }
 }
 
-impl MotionLimits {
-    /// The shortest time in which the rim goes `distance` metres from rest to rest by a 1 − cos
-    /// profile: limited by speed or by acceleration, whichever takes longer [Alghannam, Eq. 7].
-    fn interval(&self, distance: f64) -> f64 {
-        (2.0 * distance / self.speed).max((2.0 * PI * distance / self.acceleration).sqrt())
-    }
+/// The time in which the robot's own profile takes the wheels' rims over `distance` metres, from rest
+/// to rest.
+fn seconds(distance: f64, limits: &Limits) -> f64 {
+    let ticks = Profile::shortest(Metres(distance as f32), limits).ticks();
+    f64::from(ticks) * f64::from(TICK_MILLISECONDS) / 1000.0
 }
 
 /// The way of least `cost`; `shortest` is the shortest way, from which the search takes its bound.
@@ -202,13 +185,19 @@ mod tests {
     use crate::plan::{PlanOptions, plan};
     use crate::scene::Scene;
     use proptest::prelude::*;
+    use protocol::units::{MetresPerSecond, MetresPerSecondSquared};
+
+    const LIMITS: Limits = Limits {
+        speed: MetresPerSecond(0.4),
+        acceleration: MetresPerSecondSquared(0.8),
+        track: Metres(0.12),
+    };
 
     #[test]
-    fn an_interval_is_limited_by_speed_or_by_acceleration() {
-        let limits = MotionLimits::default();
-        // 1 m: 2·1/0.4 = 5 s against sqrt(2π/0.8) = 2.8 s; 1 cm: 0.05 s against 0.28 s.
-        assert_eq!(limits.interval(1.0), 5.0);
-        assert!((limits.interval(0.01) - 0.280_25).abs() < 1e-5);
+    fn a_turn_costs_the_time_of_the_rims_on_their_arc() {
+        // A quarter turn takes the rims 0.06 π/2 = 0.0942 m: √(2π 0.0942 / 0.8) = 0.8604 s.
+        assert_eq!(Cost::Time(LIMITS).of_turn(std::f64::consts::FRAC_PI_2), 0.865);
+        assert_eq!(Cost::Time(LIMITS).of_turn(0.0), 0.0);
     }
 
     fn with_boxes(boxes: &[[f64; 4]], cost: Cost) -> Vec<Point> {
@@ -253,7 +242,7 @@ mod tests {
         #[test]
         fn no_way_over_three_corners_is_better(
             boxes in proptest::collection::vec(proptest::array::uniform4(1..8_i32), 1..4),
-            cost in prop_oneof![Just(Cost::Turns), Just(Cost::Time(MotionLimits::default()))],
+            cost in prop_oneof![Just(Cost::Turns), Just(Cost::Time(LIMITS))],
         ) {
             let whole = crate::grid::LatticeRect::new(0, 0, 120_000, 120_000);
             let step = 10_000;

@@ -5,6 +5,9 @@ use crate::geometry::Point;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, UNITS_PER_METRE};
 use crate::scene::Scene;
 
+/// A decimal that is a whole unit is none but that one, however its `f64` is rounded.
+const LESS_THAN_A_UNIT: f64 = 1.0 - 1e-6;
+
 /// The lattice point at which the way from or to `point` ends: a free one less than a unit away.
 ///
 /// `free` are the rectangles in which the robot's centre may be, their edges included; `is_free` says
@@ -28,8 +31,8 @@ pub(super) fn locate(
     let around = [(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)]
         .map(|(dx, dy)| LatticePoint::new(nearest.x + dx, nearest.y + dy));
     let is_near = |at: &&LatticePoint| {
-        (f64::from(at.x) - point.x * UNITS_PER_METRE).abs() < 1.0
-            && (f64::from(at.y) - point.y * UNITS_PER_METRE).abs() < 1.0
+        (f64::from(at.x) - point.x * UNITS_PER_METRE).abs() < LESS_THAN_A_UNIT
+            && (f64::from(at.y) - point.y * UNITS_PER_METRE).abs() < LESS_THAN_A_UNIT
     };
     match around.iter().filter(is_near).find(|&&at| is_free(at)) {
         Some(&at) => Ok(at),
@@ -115,6 +118,6 @@ mod tests {
         assert_eq!(at(0.425, 0.5), Ok(LatticePoint::new(4250, 5000)));
         assert_eq!(at(0.425_03, 0.5), Ok(LatticePoint::new(4250, 5000)));
         assert_eq!(at(0.425_07, 0.5), Ok(LatticePoint::new(4250, 5000)));
-        assert!(at(0.4252, 0.5).is_err());
+        assert!(at(0.4251, 0.5).is_err() && at(0.4252, 0.5).is_err());
     }
 }

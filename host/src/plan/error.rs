@@ -60,6 +60,11 @@ pub enum PlanError {
         /// The widest gap that the robot would have to pass, if there is one at all.
         gap: Option<Gap>,
     },
+    /// Round corners were asked for together with something that only knows square ones.
+    #[error(
+        "round corners go with the exact planner and the shortest way alone; choose these, or square corners"
+    )]
+    RoundNeedsExact,
     /// The independent test refused the path that the planner found.
     #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
     Unsafe {
@@ -104,6 +109,7 @@ impl PlanError {
             Self::Blocked { end: End::Start, .. } => "start_blocked",
             Self::Blocked { end: End::Goal, .. } => "goal_blocked",
             Self::NoPath { .. } => "no_path",
+            Self::RoundNeedsExact => "round_needs_exact",
             Self::Unsafe { .. } => "unsafe_path",
         }
     }

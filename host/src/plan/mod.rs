@@ -22,11 +22,12 @@ mod local_path;
 mod paper;
 mod prepared;
 mod ranked;
+mod round;
 mod shortest_path;
 mod tree;
 
 pub use clearance::clearance;
-pub use cost::{Cost, MotionLimits};
+pub use cost::Cost;
 pub use error::{Blocker, End, PlanError};
 pub use gap::{Gap, Side};
 pub use leg_test::LegTest;
@@ -63,6 +64,16 @@ impl Planner {
     }
 }
 
+/// How obstacles grow by the robot's radius and margin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Corners {
+    /// Rectangles stay rectangles, as in the paper.
+    #[default]
+    Square,
+    /// By a disc: corners become arcs, driven as legs along tangents less than a millimetre outside.
+    Round,
+}
+
 /// What to plan with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanOptions {
@@ -72,6 +83,8 @@ pub struct PlanOptions {
     pub margin: Margin,
     /// What makes a way good; only the exact planner looks at anything but the length.
     pub cost: Cost,
+    /// How obstacles grow; round corners go with the exact planner and the length as cost alone.
+    pub corners: Corners,
 }
 
 /// A way from start to goal that was tested to be free.

@@ -6,10 +6,14 @@ use super::exact::Exact;
 use super::exit::exit_point;
 use super::gap::narrowest_gap;
 use super::paper::grid_stages;
-use super::{End, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
+use super::round::Round;
+use super::{Corners, Cost, End, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
 use crate::geometry::Point;
-use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, enlarge};
+use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, UNITS_PER_METRE, enlarge};
 use crate::scene::Scene;
+
+/// A radius this close to a whole unit, in units, is meant to be whole.
+const MEANT_WHOLE: f64 = 1e-6;
 
 /// A scene made ready for planning with one set of options.
 #[derive(Clone, Debug)]
@@ -26,7 +30,15 @@ pub struct PreparedArena<'a> {
 #[derive(Clone, Debug)]
 enum Method {
     Exact(Box<Exact>),
-    Paper { matrix: Box<MiniMatrix>, free: Vec<LatticeRect> },
+    /// The exact one for square corners stands by: its way is a bound.
+    Round {
+        exact: Box<Exact>,
+        round: Box<Round>,
+    },
+    Paper {
+        matrix: Box<MiniMatrix>,
+        free: Vec<LatticeRect>,
+    },
 }
 
 impl<'a> PreparedArena<'a> {
@@ -48,7 +60,18 @@ impl<'a> PreparedArena<'a> {
     /// ```
     pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
         let arena = enlarge(scene, &options.margin)?;
+        let is_round = options.corners == Corners::Round;
+        if is_round && (options.planner != Planner::Exact || options.cost != Cost::Length) {
+            return Err(PlanError::RoundNeedsExact);
+        }
         let method = match options.planner {
+            Planner::Exact if is_round => {
+                let radius = scene.robot_radius + options.margin.uniform;
+                // Rounded down: the boxes were rounded outwards by what is missing.
+                let radius = (radius * UNITS_PER_METRE + MEANT_WHOLE).floor() as i32;
+                let round = Box::new(Round::new(&arena, radius));
+                Method::Round { exact: Box::new(Exact::new(&arena)), round }
+            }
             Planner::Exact => Method::Exact(Box::new(Exact::new(&arena))),
             Planner::Grid | Planner::Tree => {
                 let matrix = Box::new(MiniMatrix::from_borders(&arena)?);
@@ -65,7 +88,7 @@ impl<'a> PreparedArena<'a> {
     /// # Errors
     /// [`PlanError`] if an end is outside or blocked, or nothing leads from one to the other.
     pub fn plan(&mut self, start: Point, goal: Point) -> Result<Plan, PlanError> {
-        if let Method::Exact(exact) = &mut self.method {
+        if let Method::Exact(exact) | Method::Round { exact, .. } = &mut self.method {
             if self.was_asked {
                 exact.expect_many(self.arena.inside);
             }
@@ -86,6 +109,13 @@ impl<'a> PreparedArena<'a> {
                 let shortest = exact.shortest(from, to).ok_or_else(no_path)?;
                 (best_way(self.options.cost, &self.arena, &self.test, shortest), None)
             }
+            Method::Round { exact, round } => {
+                let square = match exact.holds(from) && exact.holds(to) {
+                    true => exact.shortest(from, to),
+                    false => None,
+                };
+                (round.shortest(from, to, square).ok_or_else(no_path)?, None)
+            }
             Method::Paper { matrix, .. } => {
                 let grows_tree = self.options.planner == Planner::Tree;
                 let stages = grid_stages(&self.arena, &self.test, matrix, (from, to), grows_tree);
@@ -94,7 +124,11 @@ impl<'a> PreparedArena<'a> {
             }
         };
         let waypoints = to_waypoints(&points, start, goal, exits);
-        if let Err(leg) = self.test.check_path(&points) {
+        let checked = match &self.method {
+            Method::Round { round, .. } => round.check_path(&points),
+            _ => self.test.check_path(&points),
+        };
+        if let Err(leg) = checked {
             let leg = leg + usize::from(exits);
             return Err(PlanError::Unsafe { from: waypoints[leg], to: waypoints[leg + 1] });
         }
@@ -111,6 +145,7 @@ impl<'a> PreparedArena<'a> {
     fn locate(&self, end: End, point: Point) -> Result<LatticePoint, PlanError> {
         let is_free = |at: LatticePoint| match &self.method {
             Method::Exact(exact) => exact.holds(at),
+            Method::Round { round, .. } => round.holds(at),
             Method::Paper { free, .. } => free.iter().any(|rect| rect.contains(at)),
         };
         ends::locate(end, point, self.scene, &self.arena, is_free, self.free())
@@ -120,7 +155,7 @@ impl<'a> PreparedArena<'a> {
     fn exit(&self, start: Point, goal: LatticePoint) -> Option<LatticePoint> {
         let leads_on = |exit: LatticePoint| match &self.method {
             Method::Exact(exact) => exact.connects(exit, goal),
-            Method::Paper { .. } => true,
+            Method::Round { .. } | Method::Paper { .. } => true,
         };
         exit_point(start, self.scene, &self.arena, self.free(), leads_on)
     }
@@ -128,7 +163,7 @@ impl<'a> PreparedArena<'a> {
     /// The rectangles in which the robot's centre may be, edges included.
     fn free(&self) -> &[LatticeRect] {
         match &self.method {
-            Method::Exact(exact) => exact.free(),
+            Method::Exact(exact) | Method::Round { exact, .. } => exact.free(),
             Method::Paper { free, .. } => free,
         }
     }
