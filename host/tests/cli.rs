@@ -251,3 +251,67 @@ fn a_plan_that_does_not_belong_to_its_arena_moves_nothing() {
     plan["waypoints"][1][0] = serde_json::json!(0.7);
     refuse(&plan, 3);
 }
+
+#[test]
+fn an_arena_exported_for_ros_has_the_same_shortest_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let yaml = folder.path().join("paper.yaml");
+    let map = folder.path().join("paper.map");
+    let [yaml, map] = [&yaml, &map].map(|path| path.to_str().unwrap());
+    // The paper's boxes are whole cells of 25 mm.
+    let export = succeed(&["export", PAPER, "-o", yaml, "--resolution", "25mm", "--json"]);
+    assert_eq!((number(&export["columns"]), number(&export["rows"])), (64.0, 80.0));
+    assert!(folder.path().join("paper.pgm").exists());
+    let ends = ["--radius", "0.075", "--start", "1.4,0.35", "--goal", "1.4,1.75", "--json"];
+    let there = succeed(&[&["plan", yaml], &ends[..]].concat());
+    assert!((number(&there["length"]) - 2.160_859).abs() < 1e-6, "{there}");
+    // And from one format to the other.
+    succeed(&["export", yaml, "-o", map, "--json"]);
+    let cells = [&["plan", map, "--resolution", "0.025"], &ends[..]].concat();
+    assert_eq!(succeed(&cells)["waypoints"], there["waypoints"]);
+    let error = wmr(&["export", PAPER, "-o", "paper.txt", "--json"]);
+    assert_eq!(error.status.code(), Some(2));
+}
+
+#[test]
+fn round_corners_shorten_the_way_and_keep_the_radius() {
+    let folder = tempfile::tempdir().unwrap();
+    let steps = folder.path().to_str().unwrap();
+    let square = succeed(&["plan", PAPER, "--json"]);
+    let round = succeed(&["plan", PAPER, "--corners", "round", "--steps", steps, "--json"]);
+    assert!(number(&round["length"]) < number(&square["length"]) - 0.01, "{round}");
+    assert!(number(&round["clearance"]) >= 0.075 - 1e-9, "{round}");
+    let picture = std::fs::read_to_string(folder.path().join("14_path.svg")).unwrap();
+    assert!(picture.contains("grown by the radius"));
+    let grid = wmr(&["plan", PAPER, "--corners", "round", "--planner", "grid", "--json"]);
+    assert_eq!(
+        (grid.status.code(), document(&grid)["error"]["code"].clone()),
+        (Some(2), "plan.round_needs_exact".into())
+    );
+    let detect = wmr(&["detect", PHOTO, "--arena", PHOTO_ARENA, "--corners", "round", "--json"]);
+    assert_eq!(detect.status.code(), Some(2));
+}
+
+#[test]
+fn a_goal_that_cannot_be_reached_is_told_the_gap_or_the_nearest_free_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("wall.json");
+    let text = r#"{"format":"wmr-scene/1","arena":{"width":2.0,"height":1.0},"robot_radius":0.075,
+        "obstacles":[[0.9,0.0,1.1,0.3],[0.9,0.41,1.1,1.0]],"start":[0.2,0.5,0],"goal":[1.8,0.5]}"#;
+    std::fs::write(&scene, text).unwrap();
+    let scene = scene.to_str().unwrap();
+    let refused = |arguments: &[&str]| {
+        let output = wmr(&[&["plan", scene, "--json"], arguments].concat());
+        assert_eq!(output.status.code(), Some(4), "{output:?}");
+        let error = document(&output)["error"].clone();
+        (error["code"].as_str().unwrap().to_owned(), format!("{error}"))
+    };
+    let (code, text) = refused(&[]);
+    assert_eq!(code, "plan.no_path");
+    for part in ["11.0 cm", "obstacle 1", "obstacle 2", "15.0 cm"] {
+        assert!(text.contains(part), "{part} is missing in {text}");
+    }
+    let (code, text) = refused(&["--goal", "0.87,0.2"]);
+    assert_eq!(code, "plan.goal_blocked");
+    assert!(text.contains("the nearest free point is (0.8250, 0.2000)"), "{text}");
+}

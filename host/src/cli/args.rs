@@ -33,6 +33,8 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     /// Drive a robot, real or simulated, along a plan.
     Drive(DriveArgs),
+    /// Write an arena as a grid map for other programs.
+    Export(ExportArgs),
     /// Be a simulated robot for any program that speaks to a serial port.
     Sim(SimArgs),
     /// List the serial ports, and which of them is a robot.
@@ -218,6 +220,20 @@ pub(crate) enum TimingName {
     Limits,
     /// Three equal intervals, as in the paper.
     Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// A photo, a scene, a plan or a map.
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    /// NAME.yaml writes a ROS map with NAME.pgm beside it, NAME.map a Moving AI map.
+    #[arg(short, long, value_name = "NAME")]
+    pub(crate) output: PathBuf,
+    /// Side of a cell [default: 0.05, of a Moving AI map 1; a ROS map keeps its own].
+    #[arg(long, value_parser = quantity::length, value_name = "M")]
+    pub(crate) resolution: Option<f64>,
 }
 
 #[derive(Debug, Args)]

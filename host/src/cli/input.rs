@@ -48,7 +48,6 @@ pub(crate) struct Sight {
 /// Reads `path`, and if it is a photo, looks at it.
 pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Input, CliError> {
     let bytes = read_bytes(path)?;
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
         None => Err(CliError::new(
             Exit::File,
@@ -57,11 +56,10 @@ pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Inp
             "give a photo (PNG or JPEG), a scene or a plan",
         )),
         Some(b'{') => read_json(path, &bytes),
-        Some(_) if ending == "map" => read_moving_ai(path, &bytes, sight).map(Input::Scene),
-        Some(_) if matches!(ending, "yaml" | "yml") => {
-            read_ros(path, &bytes, sight).map(Input::Scene)
-        }
-        Some(_) => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
+        Some(_) => match read_cells(path, sight.resolution)? {
+            Some(map) => Ok(Input::Scene(map.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))),
+            None => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
+        },
     }
 }
 
@@ -88,20 +86,25 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     std::fs::read(path).map_err(failed)
 }
 
-fn read_moving_ai(path: &Path, bytes: &[u8], sight: Sight) -> Result<Scene, CliError> {
-    if sight.resolution <= 0.0 {
-        return Err(CliError::usage("a cell has no size", "give --resolution above 0, metres"));
-    }
-    let map = CellMap::from_movingai(&String::from_utf8_lossy(bytes), sight.resolution);
-    Ok(map.map_err(|error| map_error(path, &error))?.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))
-}
-
-fn read_ros(path: &Path, bytes: &[u8], sight: Sight) -> Result<Scene, CliError> {
-    let yaml = String::from_utf8_lossy(bytes);
+/// The cells of a map, if the name of `path` says that it is one; those of a Moving AI map are
+/// `resolution` metres wide.
+pub(crate) fn read_cells(path: &Path, resolution: f64) -> Result<Option<CellMap>, CliError> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let failed = |error| map_error(path, &error);
-    let picture = read_bytes(&path.with_file_name(ros_image_name(&yaml).map_err(failed)?))?;
-    let map = CellMap::from_ros(&yaml, &picture).map_err(failed)?;
-    Ok(map.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))
+    let cells = match ending {
+        "map" if resolution <= 0.0 => {
+            return Err(CliError::usage("a cell has no size", "give --resolution above 0, metres"));
+        }
+        "map" => CellMap::from_movingai(&String::from_utf8_lossy(&read_bytes(path)?), resolution),
+        "yaml" | "yml" => {
+            let bytes = read_bytes(path)?;
+            let yaml = String::from_utf8_lossy(&bytes);
+            let name = ros_image_name(&yaml).map_err(failed)?;
+            CellMap::from_ros(&yaml, &read_bytes(&path.with_file_name(name))?)
+        }
+        _ => return Ok(None),
+    };
+    cells.map(Some).map_err(failed)
 }
 
 fn map_error(path: &Path, error: &MapError) -> CliError {

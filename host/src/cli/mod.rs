@@ -11,6 +11,7 @@ mod detect;
 mod drive;
 mod endpoint;
 mod error;
+mod export;
 mod folder;
 mod input;
 mod mission;
@@ -42,6 +43,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Detect(args) => detect::run(args, output),
         Command::Plan(args) => plan::run(args, output),
         Command::Drive(args) => drive::run(args, output),
+        Command::Export(args) => export::run(args, output),
         Command::Sim(args) => sim::run(args, output),
         Command::Ports => ports::list(output),
         Command::Info(args) => ports::info(args, output),

@@ -45,7 +45,7 @@ pub(super) fn exit_point(
 #[cfg(test)]
 mod tests {
     use crate::geometry::{Point, Rect};
-    use crate::plan::{PlanOptions, plan};
+    use crate::plan::{PlanOptions, Planner, plan};
     use crate::scene::Scene;
 
     fn scene() -> Scene {
@@ -88,5 +88,19 @@ mod tests {
         let start = Point::new(0.75, 0.45);
         let way = plan(&scene, start, Point::new(0.2, 0.2), &PlanOptions::default()).unwrap();
         assert!(way.clearance >= 0.05 - 1e-12, "{}", way.clearance);
+    }
+
+    #[test]
+    fn the_exit_leads_to_the_goal_s_side_whatever_the_planner() {
+        // In a gap too narrow for the robot; the nearer way out leads away from the goal.
+        let mut scene = Scene::new(2.0, 1.0);
+        scene.obstacles = vec![Rect::new(0.0, 0.4, 1.0, 0.6), Rect::new(1.13, 0.4, 2.0, 0.6)];
+        let start = Point::new(1.065, 0.48);
+        for planner in [Planner::Exact, Planner::Grid, Planner::Tree] {
+            let options = PlanOptions { planner, ..PlanOptions::default() };
+            let way = plan(&scene, start, Point::new(1.6, 0.8), &options).unwrap();
+            assert_eq!(way.waypoints[1], Point::new(1.065, 0.675));
+            assert!((way.exit_leg.unwrap() - 0.195).abs() < 1e-12);
+        }
     }
 }

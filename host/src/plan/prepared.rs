@@ -153,11 +153,22 @@ impl<'a> PreparedArena<'a> {
 
     /// Where the robot of a blocked `start` gets out to a place from which it reaches `goal`.
     fn exit(&self, start: Point, goal: LatticePoint) -> Option<LatticePoint> {
-        let leads_on = |exit: LatticePoint| match &self.method {
-            Method::Exact(exact) => exact.connects(exit, goal),
-            Method::Round { .. } | Method::Paper { .. } => true,
+        let by_areas;
+        let exact = match &self.method {
+            Method::Exact(exact) | Method::Round { exact, .. } => exact.as_ref(),
+            // Areas are connected as cells are: both are the same floor.
+            Method::Paper { .. } => {
+                by_areas = Exact::new(&self.arena);
+                &by_areas
+            }
         };
-        exit_point(start, self.scene, &self.arena, self.free(), leads_on)
+        let exit = |leads_on: &dyn Fn(LatticePoint) -> bool| {
+            exit_point(start, self.scene, &self.arena, self.free(), leads_on)
+        };
+        let connected = exit(&|exit| exact.connects(exit, goal));
+        // A disc may pass where squares do not.
+        let is_round = matches!(self.method, Method::Round { .. });
+        connected.or_else(|| exit(&|_| true).filter(|_| is_round))
     }
 
     /// The rectangles in which the robot's centre may be, edges included.

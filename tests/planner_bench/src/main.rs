@@ -3,14 +3,21 @@
 //! ```text
 //! cargo run --release --manifest-path tests/planner_bench/Cargo.toml -- ARENA.json...
 //! ```
-//! Every time is a median over the arena's queries. "First plan" starts from the scene and ends with a
-//! path; "repeated" is a query on what is built. Ours is the whole library call: growing, search,
+//! Every time is a median over the arena's queries, and the least of [`ROUNDS`] such medians, taken in
+//! turns. "First plan" starts from the scene and ends with a path; "next" is a query that was not asked
+//! before, on what is built; "repeated" one that was. Ours is the whole library call: growing, search,
 //! safety test and clearance. The peers get the grown boxes as a gift and only search.
-//! `growth` instead of files prints the build time of random arenas from 100 to 100 000 boxes.
+//!
+//! Instead of files: `growth` prints the build time of random arenas from 100 to 100 000 boxes,
+//! `paper ARENA.json...` how far from the shortest way the paper's modes end, `rows MAP ROWS...` every
+//! row of Moving AI scenarios against its length.
 
 mod growth;
 mod memory;
+mod paper;
 mod peers;
+mod rows;
+mod slabs;
 
 use host::plan::{PlanOptions, PreparedArena};
 use host::scene::Scene;
@@ -19,40 +26,68 @@ use std::time::Instant;
 /// Times each query is repeated on a built structure.
 const REPEATS: usize = 15;
 
+/// Times everything is measured.
+const ROUNDS: usize = 3;
+
+/// First plans are measured for all queries, or until so much time has passed, seconds.
+const FIRST_PLANS: f64 = 2.0;
+
 fn main() {
     let files: Vec<String> = std::env::args().skip(1).collect();
-    if files == ["growth"] {
-        growth::print();
-        return;
+    match files.first().map(String::as_str) {
+        Some("growth") => return growth::print(),
+        Some("paper") => return paper::print(&files[1..]),
+        Some("rows") => {
+            return files[1..].chunks(2).for_each(|pair| rows::print(&pair[0], &pair[1]));
+        }
+        _ => {}
     }
     println!(
-        "| arena | N | what | first plan µs | build µs | repeated µs | length / exact max | failed | peak KiB |"
+        "| arena | N | what | first plan µs | build µs | next µs | repeated µs | length / exact max | failed | peak KiB |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for file in &files {
         let text = std::fs::read_to_string(file).expect("the arena can be read");
         let scene = Scene::from_json(&text).expect("the arena is a scene");
         let name = file.rsplit('/').next().unwrap_or(file);
-        let print = |what: &str, row: Row| {
+        let few = scene.obstacles.len() <= 100;
+        let mut peers: Vec<Peer> = vec![
+            ("wmr exact", Box::new(|| measure(&scene, Ours::new))),
+            (
+                "polyanya, CDT",
+                Box::new(|| measure(&scene, |scene| peers::Crate::new(scene, false))),
+            ),
+            (
+                "polyanya, CDT + merge",
+                Box::new(|| measure(&scene, |scene| peers::Crate::new(scene, true))),
+            ),
+            ("polyanya, slabs", Box::new(|| measure(&scene, peers::Crate::slabs))),
+        ];
+        if few {
+            peers.push(("pathfinding A*, 1 cm", Box::new(|| measure(&scene, peers::Cells::new))));
+        }
+        let mut rows: Vec<Row> = peers.iter().map(|(_, measure)| measure()).collect();
+        for _ in 1..ROUNDS {
+            rows.iter_mut().zip(&peers).for_each(|(row, (_, measure))| row.take_less(&measure()));
+        }
+        for (row, (what, _)) in rows.iter().zip(&peers) {
             println!(
-                "| {name} | {} | {what} | {:.2} | {:.2} | {:.2} | {:.9} | {} | {} |",
+                "| {name} | {} | {what} | {:.2} | {:.2} | {:.2} | {:.2} | {:.9} | {} | {} |",
                 scene.obstacles.len(),
                 row.first,
                 row.build,
+                row.next,
                 row.repeated,
                 row.ratio,
                 row.failed,
                 row.memory / 1024
             );
-        };
-        print("wmr exact", measure(&scene, |scene| Ours::new(scene)));
-        print("polyanya, CDT", measure(&scene, |scene| peers::Crate::new(scene, false)));
-        print("polyanya, CDT + merge", measure(&scene, |scene| peers::Crate::new(scene, true)));
-        if scene.obstacles.len() <= 100 {
-            print("pathfinding A*, 1 cm", measure(&scene, |scene| peers::Cells::new(scene)));
         }
     }
 }
+
+/// A name and what measures it once.
+type Peer<'a> = (&'static str, Box<dyn Fn() -> Row + 'a>);
 
 /// Something that plans on one scene.
 trait Measured {
@@ -76,13 +111,25 @@ impl Measured for Ours<'_> {
     }
 }
 
+#[derive(Default)]
 struct Row {
     first: f64,
     build: f64,
+    next: f64,
     repeated: f64,
     ratio: f64,
     failed: usize,
     memory: usize,
+}
+
+impl Row {
+    /// Keeps the lesser of each time.
+    fn take_less(&mut self, other: &Self) {
+        self.first = self.first.min(other.first);
+        self.build = self.build.min(other.build);
+        self.next = self.next.min(other.next);
+        self.repeated = self.repeated.min(other.repeated);
+    }
 }
 
 fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) -> Row {
@@ -91,21 +138,29 @@ fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) ->
         .iter()
         .map(|q| (q.start.into(), q.goal.into(), q.length.unwrap_or(f64::NAN)))
         .collect();
-    let mut row = Row { first: 0.0, build: 0.0, repeated: 0.0, ratio: 0.0, failed: 0, memory: 0 };
+    let mut row = Row::default();
     let (mut firsts, mut builds) = (Vec::new(), Vec::new());
+    let all = Instant::now();
     for &(start, goal, _) in &queries {
-        let before = memory::restart_peak();
         let begin = Instant::now();
         let mut built = build(scene);
         builds.push(micros(begin));
         std::hint::black_box(built.length(start, goal));
         firsts.push(micros(begin));
-        row.memory = row.memory.max(memory::peak() - before);
+        if all.elapsed().as_secs_f64() > FIRST_PLANS {
+            break;
+        }
     }
+    let before = memory::restart_peak();
     let mut built = build(scene);
-    queries.iter().for_each(|&(start, goal, _)| {
-        std::hint::black_box(built.length(start, goal));
-    });
+    let mut next: Vec<f64> = queries
+        .iter()
+        .map(|&(start, goal, _)| {
+            let begin = Instant::now();
+            std::hint::black_box(built.length(start, goal));
+            micros(begin)
+        })
+        .collect();
     let mut repeated = Vec::new();
     for &(start, goal, exact) in &queries {
         let mut times = Vec::new();
@@ -121,8 +176,9 @@ fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) ->
         repeated.push(median(&mut times));
     }
     row.failed /= REPEATS;
-    (row.first, row.build, row.repeated) =
-        (median(&mut firsts), median(&mut builds), median(&mut repeated));
+    row.memory = memory::peak() - before;
+    (row.first, row.build) = (median(&mut firsts), median(&mut builds));
+    (row.next, row.repeated) = (median(&mut next), median(&mut repeated));
     row
 }
 

@@ -21,7 +21,7 @@ fn grown(scene: &Scene) -> (Rect, Vec<Rect>) {
     (inside, boxes)
 }
 
-/// `polyanya` on its own constrained Delaunay triangulation.
+/// `polyanya` on its own constrained Delaunay triangulation, or on rectangles between vertical lines.
 pub struct Crate(Mesh);
 
 impl Crate {
@@ -39,6 +39,11 @@ impl Crate {
         }
         mesh.bake();
         Self(mesh)
+    }
+
+    pub fn slabs(scene: &Scene) -> Self {
+        let (inside, boxes) = grown(scene);
+        Self(crate::slabs::mesh(&inside, &boxes).expect("slabs are a mesh"))
     }
 }
 

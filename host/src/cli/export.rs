@@ -1,0 +1,92 @@
+//! `wmr export`: an arena as a grid map for other programs, ROS or Moving AI.
+
+use super::args::ExportArgs;
+use super::error::CliError;
+use super::folder::write_file;
+use super::input::{self, Input, Sight};
+use super::output::Output;
+use host::map::CellMap;
+use host::scene::Scene;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// The side of a cell that ROS maps of rooms have, metres.
+const ROS_RESOLUTION: f64 = 0.05;
+
+/// The side of a cell of a Moving AI map, metres, where nobody says otherwise.
+const MOVING_AI_RESOLUTION: f64 = 1.0;
+
+/// A map with more cells is a mistake in units.
+const CELL_LIMIT: f64 = 100e6;
+
+/// `wmr export`.
+pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
+    let map = cells(args)?;
+    let ending = args.output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    let files: Vec<PathBuf> = match ending {
+        "yaml" | "yml" => {
+            let picture = args.output.with_extension("pgm");
+            let name = picture.file_name().unwrap_or_default().to_string_lossy();
+            let ros = map.to_ros(&name);
+            write_file(&args.output, ros.yaml.as_bytes())?;
+            write_file(&picture, &ros.pgm)?;
+            vec![args.output.clone(), picture]
+        }
+        "map" => {
+            write_file(&args.output, map.to_movingai().as_bytes())?;
+            vec![args.output.clone()]
+        }
+        _ => {
+            let message = format!("{} says no format", args.output.display());
+            return Err(CliError::usage(
+                message,
+                "write -o NAME.yaml for ROS, -o NAME.map for Moving AI",
+            ));
+        }
+    };
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let document = json!({
+        "files": names,
+        "columns": map.columns,
+        "rows": map.rows,
+        "resolution": map.resolution,
+    });
+    let text = format!(
+        "{} × {} cells of {} m: {}\n",
+        map.columns,
+        map.rows,
+        map.resolution,
+        names.join(", ")
+    );
+    output.result(&document, &text);
+    Ok(())
+}
+
+/// A map's own cells, or those that an arena's obstacles touch.
+fn cells(args: &ExportArgs) -> Result<CellMap, CliError> {
+    let own = args.resolution.unwrap_or(MOVING_AI_RESOLUTION);
+    if let Some(map) = input::read_cells(&args.input, own)? {
+        return Ok(map);
+    }
+    let sight = Sight { radius: None, resolution: own, keep_steps: false };
+    let scene = match input::read(&args.input, &args.vision, sight)? {
+        Input::Photo(seen) => seen.scene(None),
+        Input::Scene(scene) => scene,
+        Input::Plan(file) => file.scene,
+    };
+    let resolution = args.resolution.unwrap_or(ROS_RESOLUTION);
+    check_size(&scene, resolution)?;
+    Ok(CellMap::from_scene(&scene, resolution))
+}
+
+fn check_size(scene: &Scene, resolution: f64) -> Result<(), CliError> {
+    let count = scene.arena.width * scene.arena.height / (resolution * resolution);
+    if resolution > 0.0 && count <= CELL_LIMIT {
+        return Ok(());
+    }
+    let message = format!(
+        "cells of {resolution} m make no map of {} × {} m",
+        scene.arena.width, scene.arena.height
+    );
+    Err(CliError::usage(message, "give a --resolution such as 0.05"))
+}
