@@ -155,7 +155,7 @@ mod tests {
 
         #[test]
         fn the_hull_holds_every_point_within_the_radius(
-            radius in 1..5000_i32, angle in 0.0..6.28_f64, part in 0.0..1.0_f64,
+            radius in 1..5000_i32, angle in 0.0..std::f64::consts::TAU, part in 0.0..1.0_f64,
         ) {
             let rect = LatticeRect::new(0, 0, 300, 200);
             let outline = Outline::new(rect, &arc(radius, 10));
