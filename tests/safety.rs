@@ -4,6 +4,7 @@
 use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};
 use hil_sim::simulation::{Brain, Simulation};
+use hil_sim::wire::Fate;
 use host::geometry::Point;
 use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
 use host::link::LinkClient;
@@ -48,11 +49,24 @@ fn speed(client: &mut Client) -> f64 {
 #[test]
 fn an_emergency_stop_cuts_the_drive_at_once() {
     let (result, ended) = drive_and(|client| {
-        assert!(client.send(Command::EmergencyStop));
+        client.emergency_stop();
     });
     assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
     // One poll to send it, a tick to obey, 20 ms until telemetry says so.
     assert!(ended <= Duration::from_millis(2040), "{ended:?}");
+}
+
+#[test]
+fn an_emergency_stop_is_said_until_it_is_heard() {
+    for lost in 1..10 {
+        let (result, ended) = drive_and(|client| {
+            client.port_mut().wires()[0].ordain(vec![Fate::Vanish; lost]);
+            client.emergency_stop();
+        });
+        assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
+        // As above, and 20 ms for each that was lost.
+        assert!(ended <= Duration::from_millis(2040 + 20 * lost as u64), "{lost} {ended:?}");
+    }
 }
 
 #[test]

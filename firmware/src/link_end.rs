@@ -73,15 +73,18 @@ impl LinkEnd {
         match self.session.as_mut().filter(|session| session.id() == header.session) {
             Some(session) => {
                 session.accept(&header, command, now);
-                if let (Command::Stop { number }, true) = (command, header.sequence.is_none()) {
+                if header.sequence.is_some() {
+                    return None;
+                }
+                if let Command::Stop { number } | Command::EmergencyStop { number } = command {
                     self.hear_stop(number);
                 }
-                header.sequence.is_none().then_some(Heard::Urgent(command))
+                Some(Heard::Urgent(command))
             }
             None => {
                 // The host speaks of a session from before a restart: tell it. A stop counts anyway.
                 self.hello_due = true;
-                matches!(command, Command::Stop { .. } | Command::EmergencyStop)
+                matches!(command, Command::Stop { .. } | Command::EmergencyStop { .. })
                     .then_some(Heard::Urgent(command))
             }
         }

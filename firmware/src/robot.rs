@@ -266,7 +266,7 @@ impl Robot {
         match command {
             Command::Hello(_) | Command::Heartbeat => {}
             Command::Stop { .. } => self.controller.stop(),
-            Command::EmergencyStop => self.controller.cut(Fault::EmergencyStop),
+            Command::EmergencyStop { .. } => self.controller.cut(Fault::EmergencyStop),
             _ if !self.link(port).same_protocol() && !matches!(command, Command::Reboot(_)) => {
                 self.refuse(port, command, PlanRefusal::WrongProtocol);
             }

@@ -69,8 +69,12 @@ pub enum Command {
         /// The number of the last stop that the host sent in this session, 0 for none.
         stop: u8,
     },
-    /// Cuts the drive at once, wherever the robot is, and faults until [`Clear`](Self::Clear).
-    EmergencyStop,
+    /// Cuts the drive at once, wherever the robot is, and faults until [`Clear`](Self::Clear); obeyed
+    /// in any session.
+    EmergencyStop {
+        /// As for [`Stop`](Self::Stop), with which it is counted.
+        number: u8,
+    },
     /// Says where a camera saw the robot; refused with [`Report::PoseRefused`].
     SetPose(CameraPose),
     /// Asks for the robot's numbers; answered by [`Report::Parameters`].

@@ -169,6 +169,7 @@ fn commands() -> Vec<Row<Command>> {
     };
     let slow = Timing::Paper { interval_ticks: LONG };
     let [stop, stops] = [1, u8::MAX].map(|number| Command::Stop { number });
+    let [cut, cuts] = [1, u8::MAX].map(|number| Command::EmergencyStop { number });
     let [commit, commits] = [1, LONG].map(|plan| Command::PlanCommit { plan });
     let [cancel, cancels] = [1, LONG].map(|plan| Command::PlanCancel { plan });
     let [clear, clears] = [1, u8::MAX].map(|stop| Command::Clear { stop });
@@ -191,7 +192,7 @@ fn commands() -> Vec<Row<Command>> {
         (true, Command::Pause, Command::Pause),
         (true, Command::Resume, Command::Resume),
         (true, clear, clears),
-        (false, Command::EmergencyStop, Command::EmergencyStop),
+        (false, cut, cuts),
         (true, seen(1), seen(LONG)),
         (true, Command::GetParameters, Command::GetParameters),
         (true, set(0), set(LONG)),

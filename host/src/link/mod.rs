@@ -12,6 +12,7 @@ pub mod mission;
 pub mod parameters;
 pub mod port;
 pub mod reopening;
+mod stop;
 
 pub use error::{LinkError, MissionError};
 
@@ -25,6 +26,7 @@ use protocol::session::{Session, WINDOW, session_id};
 use protocol::units::Milliseconds;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
+use stop::{Manner, StopRequest};
 
 /// A robot that does not answer hello for this long is none.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(2);
@@ -32,7 +34,7 @@ const HELLO_TIMEOUT: Duration = Duration::from_secs(2);
 const HELLO_INTERVAL: u32 = 50;
 /// A link on which nothing arrives for this long is lost, unless the client is told to wait longer;
 /// the robot has long stopped by itself.
-const PATIENCE: Duration = Duration::from_secs(3);
+pub const PATIENCE: Duration = Duration::from_secs(3);
 /// A robot that is heard, but does not hear, is given this much longer: on a bad wire a message may
 /// have to be sent many times.
 const DEAF_EXTRA: Duration = Duration::from_secs(1);
@@ -62,21 +64,11 @@ pub struct LinkClient<P> {
     reports: Vec<Report>,
     started: Option<Milliseconds>,
     sent: Option<Milliseconds>,
-    stop: u8,
-    stop_due: StopDue,
-    stop_sent: Option<Milliseconds>,
+    stop: StopRequest,
     pause_wanted: bool,
     bytes: u64,
     received: u32,
     damaged: u32,
-}
-
-/// Whether the robot is still to be told of the last stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum StopDue {
-    No,
-    Now,
-    Again,
 }
 
 impl<P: Read + Write> LinkClient<P> {
@@ -94,9 +86,7 @@ impl<P: Read + Write> LinkClient<P> {
             reports: Vec::new(),
             started: None,
             sent: None,
-            stop: 0,
-            stop_due: StopDue::No,
-            stop_sent: None,
+            stop: StopRequest::default(),
             pause_wanted: false,
             bytes: 0,
             received: 0,
@@ -108,6 +98,11 @@ impl<P: Read + Write> LinkClient<P> {
     /// may come loose and be plugged in again.
     pub fn with_patience(self, patience: Duration) -> Self {
         Self { patience, ..self }
+    }
+
+    /// From now on waits `patience` for a robot that has fallen silent.
+    pub fn set_patience(&mut self, patience: Duration) {
+        self.patience = patience;
     }
 
     /// The port, for its owner's other business with it.
@@ -191,23 +186,26 @@ impl<P: Read + Write> LinkClient<P> {
         self.pause_wanted
     }
 
-    /// Asks the robot to stop, again and again until it says that it has heard.
+    /// Asks the robot to stop on its path, again and again until it says that it has heard.
     pub fn stop(&mut self) {
-        if self.stop_due == StopDue::No {
-            self.stop = self.stop.wrapping_add(1);
-            self.stop_due = StopDue::Now;
-        }
+        self.stop.ask(Manner::OnPath);
+    }
+
+    /// Asks the robot to cut its drive at once, wherever it is, again and again until it says that it
+    /// has heard.
+    pub fn emergency_stop(&mut self) {
+        self.stop.ask(Manner::Cut);
     }
 
     /// The number of the last stop, 0 for none, and whether the robot has heard of it.
     pub fn last_stop(&self) -> (u8, bool) {
-        (self.stop, self.stop_due == StopDue::No)
+        (self.stop.number(), self.stop.is_heard())
     }
 
     /// Asks the robot to forget the stops so far, as [`send`](Self::send) does; false also while it
     /// has not yet heard of the last.
     pub fn clear(&mut self) -> bool {
-        self.stop_due == StopDue::No && self.send(Command::Clear { stop: self.stop })
+        self.stop.is_heard() && self.send(Command::Clear { stop: self.stop.number() })
     }
 
     /// Reads what has arrived and writes what is due at `now`; returns the reports of the reliable
@@ -241,9 +239,7 @@ impl<P: Read + Write> LinkClient<P> {
 
     /// How long the robot has not taken notice of a command or stop.
     fn unheard(&self, now: Milliseconds) -> Duration {
-        let stop = self.stop_sent.filter(|_| self.stop_due != StopDue::No);
-        let stop_wait = stop.map_or(0, |sent| now.since(sent));
-        Duration::from_millis(self.session.oldest_wait(now).max(stop_wait).into())
+        Duration::from_millis(self.session.oldest_wait(now).max(self.stop.wait(now)).into())
     }
 
     fn receive(&mut self, now: Duration) -> Result<(), LinkError> {
@@ -278,7 +274,7 @@ impl<P: Read + Write> LinkClient<P> {
         self.session.accept(header, report, clock);
         match report {
             Report::Telemetry(telemetry) => self.hear_telemetry(telemetry, now),
-            Report::Heartbeat { stop } if stop == self.stop => self.stop_due = StopDue::No,
+            Report::Heartbeat { stop } => self.stop.hear(stop),
             _ => {}
         }
         while let Some(report) = self.session.next_message() {
@@ -328,13 +324,7 @@ impl<P: Read + Write> LinkClient<P> {
 
     fn transmit(&mut self, now: Milliseconds) -> Result<(), LinkError> {
         let mut frame = [0; MAX_FRAME];
-        let due = self.sent.is_none_or(|sent| now.since(sent) >= HEARTBEAT_MILLISECONDS);
-        if self.stop_due == StopDue::Now || (self.stop_due == StopDue::Again && due) {
-            if self.stop_due == StopDue::Now {
-                self.stop_sent = Some(now);
-            }
-            self.stop_due = StopDue::Again;
-            let stop = Command::Stop { number: self.stop };
+        if let Some(stop) = self.stop.due(now) {
             let length = self.session.write_unreliable(&stop, &mut frame);
             return self.write(length, &frame, now);
         }
