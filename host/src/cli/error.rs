@@ -125,6 +125,11 @@ impl From<PortError> for CliError {
             PortError::NotOne { .. } => {
                 ("port.several", "choose one with --port; wmr ports lists them".to_owned())
             }
+            PortError::BootLoader { .. } => (
+                "port.boot_loader",
+                "plug it in again without holding BOOTSEL, or copy target/firmware/pico.uf2 onto its drive"
+                    .to_owned(),
+            ),
             PortError::Other { .. } => ("port.other", "wmr ports lists what is there".to_owned()),
         };
         Self::new(Exit::Port, code, error, help)
@@ -217,6 +222,24 @@ impl From<MissionError> for CliError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_port_error_says_what_to_do() {
+        let name = || "tty".to_owned();
+        let errors = [
+            (PortError::Missing { name: name() }, "port.missing"),
+            (PortError::Busy { name: name() }, "port.busy"),
+            (PortError::Denied { name: name() }, "port.denied"),
+            (PortError::BootLoader { name: name() }, "port.boot_loader"),
+            (PortError::NotOne { found: 0, looked_at: 2 }, "port.none"),
+            (PortError::NotOne { found: 2, looked_at: 2 }, "port.several"),
+        ];
+        for (error, code) in errors {
+            let error = CliError::from(error);
+            assert_eq!((error.exit, error.code.as_str()), (Exit::Port, code));
+            assert!(error.help.len() > 20, "{error:?}");
+        }
+    }
 
     #[test]
     fn advice_stands_after_the_semicolon() {

@@ -13,6 +13,7 @@ pub mod parameters;
 pub mod port;
 pub mod reopening;
 mod stop;
+mod usb;
 
 pub use error::{LinkError, MissionError};
 

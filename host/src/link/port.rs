@@ -3,6 +3,7 @@
 //! Nothing is ever written to a device that was not named, or that does not say over USB that it is
 //! a robot of ours.
 
+use super::usb;
 use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -41,6 +42,12 @@ pub enum PortError {
         /// Ports looked at.
         looked_at: usize,
     },
+    /// The robot's board waits for a firmware instead of running one.
+    #[error("{name} is not there, but a Pico waits in its boot loader")]
+    BootLoader {
+        /// What was asked for.
+        name: String,
+    },
     /// Something else.
     #[error("{name} cannot be opened: {cause}")]
     Other {
@@ -74,10 +81,33 @@ pub enum Wire {
 pub fn open(name: &str) -> Result<Wire, PortError> {
     match name.strip_prefix("tcp://") {
         Some(address) => open_tcp(address).map(Wire::Tcp).map_err(|error| explain(name, &error)),
-        None if name == "auto" => {
-            open_serial(&only_robot(&robots(&list()?), list()?.len())?).map(Wire::Serial)
+        None => resolve(name)
+            .and_then(|device| open_serial(&device))
+            .map(Wire::Serial)
+            .map_err(|error| or_boot_loader(error, name, usb::boot_loader_waits)),
+    }
+}
+
+/// The device that `auto` means now; any other name means itself.
+///
+/// # Errors
+/// [`PortError::NotOne`] if `auto` may mean none or several.
+pub(super) fn resolve(name: &str) -> Result<String, PortError> {
+    if name != "auto" {
+        return Ok(name.to_owned());
+    }
+    let ports = list()?;
+    only_robot(&robots(&ports), ports.len())
+}
+
+/// A robot that is missing may be there in another guise.
+fn or_boot_loader(error: PortError, name: &str, waits: impl Fn() -> bool) -> PortError {
+    match error {
+        PortError::Missing { .. } | PortError::NotOne { found: 0, .. } if waits() => {
+            let name = if name == "auto" { "the robot" } else { name };
+            PortError::BootLoader { name: name.to_owned() }
         }
-        None => open_serial(name).map(Wire::Serial),
+        error => error,
     }
 }
 
@@ -110,20 +140,18 @@ fn only_robot(robots: &[String], looked_at: usize) -> Result<String, PortError> 
 }
 
 fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, PortError> {
-    serialport::new(name, BAUD).timeout(READ_TIMEOUT).open().map_err(|error| {
-        let name = name.to_owned();
-        match error.kind() {
-            // The crate says NoDevice both for a missing device and for one that is locked.
-            serialport::ErrorKind::NoDevice if Path::new(&name).exists() => {
-                PortError::Busy { name }
-            }
-            serialport::ErrorKind::NoDevice => PortError::Missing { name },
-            serialport::ErrorKind::Io(kind) => {
-                explain(&name, &io::Error::new(kind, error.description))
-            }
-            _ => PortError::Other { name, cause: error.description },
-        }
-    })
+    let port = serialport::new(name, BAUD).timeout(READ_TIMEOUT).open();
+    port.map_err(|error| explain_serial(name, error, Path::new(name).exists()))
+}
+
+fn explain_serial(name: &str, error: serialport::Error, exists: bool) -> PortError {
+    match error.kind() {
+        // The crate says NoDevice both for a missing device and for one that is locked.
+        serialport::ErrorKind::NoDevice if exists => PortError::Busy { name: name.to_owned() },
+        serialport::ErrorKind::NoDevice => PortError::Missing { name: name.to_owned() },
+        serialport::ErrorKind::Io(kind) => explain(name, &io::Error::new(kind, error.description)),
+        _ => PortError::Other { name: name.to_owned(), cause: error.description },
+    }
 }
 
 fn open_tcp(address: &str) -> io::Result<TcpStream> {
@@ -200,6 +228,36 @@ mod tests {
         assert!(only_robot(&["a".into()], 3).is_ok());
         assert!(matches!(only_robot(&[], 1), Err(PortError::NotOne { found: 0, looked_at: 1 })));
         assert!(only_robot(&["a".into(), "b".into()], 2).is_err());
+    }
+
+    #[test]
+    fn what_the_system_says_is_told_apart() {
+        use serialport::ErrorKind::{Io, NoDevice};
+        let explained = |kind, exists| {
+            explain_serial("tty", serialport::Error::new(kind, "as the system says"), exists)
+        };
+        assert!(matches!(explained(NoDevice, true), PortError::Busy { .. }));
+        assert!(matches!(explained(NoDevice, false), PortError::Missing { .. }));
+        assert!(matches!(explained(Io(ErrorKind::ResourceBusy), true), PortError::Busy { .. }));
+        assert!(matches!(
+            explained(Io(ErrorKind::PermissionDenied), true),
+            PortError::Denied { .. }
+        ));
+        assert!(matches!(explained(Io(ErrorKind::NotFound), false), PortError::Missing { .. }));
+        assert!(matches!(explained(Io(ErrorKind::InvalidInput), true), PortError::Other { .. }));
+    }
+
+    #[test]
+    fn a_missing_robot_may_wait_in_its_boot_loader() {
+        let missing = || PortError::Missing { name: "tty".into() };
+        let none = || PortError::NotOne { found: 0, looked_at: 3 };
+        for (error, name) in [(missing(), "tty"), (none(), "auto")] {
+            let told = or_boot_loader(error, name, || true);
+            assert!(matches!(told, PortError::BootLoader { .. }), "{told}");
+        }
+        assert!(matches!(or_boot_loader(missing(), "tty", || false), PortError::Missing { .. }));
+        let busy = PortError::Busy { name: "tty".into() };
+        assert!(matches!(or_boot_loader(busy, "tty", || true), PortError::Busy { .. }));
     }
 
     #[test]

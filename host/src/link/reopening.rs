@@ -2,31 +2,39 @@
 //!
 //! To its user the port falls silent and goes on later; what is written meanwhile is lost, as on any
 //! loose cable. The session above sends again what matters, and says when it has waited too long.
+//! A USB device is known again by what it says of itself, under whatever name it comes back; what
+//! has come in its place is left alone.
 
 use super::is_nothing_yet;
 use super::port::{self, PortError, Wire};
+use super::usb::UsbIdentity;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
-/// A port that is gone is tried again this often.
-const RETRY: Duration = Duration::from_millis(100);
+/// A port that is gone is tried again this often: a small part of the second in which a robot is to
+/// be back, and rare enough to cost nothing.
+const RETRY: Duration = Duration::from_millis(20);
 
 /// A way to a robot that survives unplugging.
 #[derive(Debug)]
 pub struct Reopening {
     name: String,
+    identity: Option<UsbIdentity>,
     wire: Option<Wire>,
     tried: Instant,
 }
 
 impl Reopening {
-    /// Opens a port as [`port::open`] does, and again by the same name whenever it fails.
+    /// Opens a port as [`port::open`] does, and the same device again whenever it fails.
     ///
     /// # Errors
     /// [`PortError`] if it cannot be opened the first time.
     pub fn open(name: &str) -> Result<Self, PortError> {
         let wire = port::open(name)?;
-        Ok(Self { name: name.to_owned(), wire: Some(wire), tried: Instant::now() })
+        // Another robot that came meanwhile is no reason to give up a port that is open.
+        let name = port::resolve(name).unwrap_or_else(|_| name.to_owned());
+        let identity = UsbIdentity::of(&name, &port::list().unwrap_or_default());
+        Ok(Self { name, identity, wire: Some(wire), tried: Instant::now() })
     }
 
     /// Whether the port is open as far as is known.
@@ -34,11 +42,19 @@ impl Reopening {
         self.wire.is_some()
     }
 
+    /// Where the device is now, if it is anywhere.
+    fn place(&self) -> Option<String> {
+        match &self.identity {
+            Some(identity) => identity.find(&self.name, &port::list().ok()?),
+            None => Some(self.name.clone()),
+        }
+    }
+
     /// The open port; tries to open it if it is time.
     fn wire(&mut self) -> Option<&mut Wire> {
         if self.wire.is_none() && self.tried.elapsed() >= RETRY {
             self.tried = Instant::now();
-            self.wire = port::open(&self.name).ok();
+            self.wire = self.place().and_then(|name| port::open(&name).ok());
         }
         self.wire.as_mut()
     }
