@@ -4,7 +4,9 @@
 
 use hil_sim::pty::Pty;
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
-use protocol::message::{Board, Command as Asked, MAX_LEGS, PROTOCOL_VERSION, Report, RobotHello};
+use protocol::message::{
+    Board, Command as Asked, MAX_LEGS, PROTOCOL_VERSION, Report, ResetCause, RobotHello,
+};
 use protocol::parameters::Parameters;
 use protocol::schema::SCHEMA_HASH;
 use serde_json::Value;
@@ -92,6 +94,7 @@ fn another_firmware_answers() {
                 limits: Parameters::default().limits(),
                 max_legs: MAX_LEGS as u16,
                 driven: None,
+                reset: ResetCause::PowerOn,
             };
             let mut frame = [0; MAX_FRAME];
             let length = encode(&Header::default(), &Report::Hello(hello), &mut frame).unwrap();

@@ -247,6 +247,9 @@ pub(crate) struct DriveArgs {
     /// auto, sim, elf:FILE, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
     pub(crate) port: String,
+    /// Go on with the rest of the same plan, which was cut short.
+    #[arg(long)]
+    pub(crate) resume: bool,
     /// Write photo, scene, plan, run and pictures into this folder.
     #[arg(long, value_name = "DIR")]
     pub(crate) log: Option<PathBuf>,

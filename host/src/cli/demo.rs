@@ -5,6 +5,7 @@ use super::drive::{arrived, describe_run, drive_way};
 use super::error::CliError;
 use super::folder::Folder;
 use super::input::{self, Input, Sight};
+use super::mission::Resume;
 use super::output::Output;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
@@ -53,7 +54,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let way = way::find(&input, &way_args, MarginRule::ForDriving, output)?;
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
-    let run = drive_way(&way, &way_args, &args.port, SEED, output)?;
+    let run = drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
     let folder = Folder::create(&args.out)?;
     folder.input(&input, way.file.scene.robot_radius)?;
     folder.plan(&way)?;

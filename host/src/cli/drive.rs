@@ -5,8 +5,9 @@ use super::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use super::error::{CliError, Exit};
 use super::folder::Folder;
 use super::input::{self, Sight};
-use super::mission::{self, Run, place};
+use super::mission::{self, Resume, place};
 use super::output::Output;
+use super::run::Run;
 use super::way::{self, MarginRule, PlannedWay};
 use host::geometry::{Point, Pose};
 
@@ -23,7 +24,8 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     )?;
     let asked = args.way.with_corners(&args.vision);
     let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
-    let run = drive_way(&way, &asked, &args.port, args.sim_seed, output)?;
+    let resume = if args.resume { Resume::Wanted } else { Resume::Offered };
+    let run = drive_way(&way, &asked, &args.port, args.sim_seed, resume, output)?;
     if let Some(folder) = &args.log {
         let folder = Folder::create(folder)?;
         folder.input(&input, way.file.scene.robot_radius)?;
@@ -40,6 +42,7 @@ pub(crate) fn drive_way(
     args: &WayArgs,
     port: &str,
     seed: u64,
+    resume: Resume,
     output: Output,
 ) -> Result<Run, CliError> {
     let file = &way.file;
@@ -51,7 +54,7 @@ pub(crate) fn drive_way(
         TimingName::Paper => SimulatedRobot::Paper,
     };
     let endpoint = endpoint::open(port, world, robot)?;
-    mission::drive(endpoint, start, |limits| way::legs_of(file, args, limits), output)
+    mission::drive(endpoint, start, |limits| way::legs_of(file, args, limits), resume, output)
 }
 
 /// An error if the robot says that it is done, but is not where it should be.

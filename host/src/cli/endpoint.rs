@@ -7,7 +7,7 @@ use hil_sim::in_process::{InProcess, paper_robot};
 use hil_sim::simulation::{Brain, Simulation, Truth};
 use hil_sim::world::World;
 use host::geometry::Pose;
-use host::link::port::{self, Wire};
+use host::link::reopening::Reopening;
 use host::scene::Scene;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -23,6 +23,16 @@ pub(crate) trait Endpoint: Read + Write {
     fn truth(&self) -> Option<Truth>;
     /// A number that tells this connection from others.
     fn nonce(&self) -> u32;
+
+    /// Whether the port is there; if it is not, it may come back.
+    fn is_open(&self) -> bool {
+        true
+    }
+
+    /// Whether the robot is still there when this program has ended.
+    fn outlives_the_program(&self) -> bool {
+        false
+    }
 }
 
 impl<B: Brain> Endpoint for Simulation<B> {
@@ -47,7 +57,7 @@ impl<B: Brain> Endpoint for Simulation<B> {
 /// A real port and the clock on the wall.
 #[derive(Debug)]
 struct RealPort {
-    wire: Wire,
+    wire: Reopening,
     opened: Instant,
 }
 
@@ -85,6 +95,14 @@ impl Endpoint for RealPort {
         // The system's random seed of hash maps: differs from process to process, without a crate for it.
         use std::hash::{BuildHasher, RandomState};
         RandomState::new().hash_one(0) as u32
+    }
+
+    fn is_open(&self) -> bool {
+        self.wire.is_open()
+    }
+
+    fn outlives_the_program(&self) -> bool {
+        true
     }
 }
 
@@ -148,6 +166,6 @@ pub(crate) fn open(
         let base = BaseParameters::seeded(simulated.seed);
         return Ok(Box::new(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base)));
     }
-    let wire = port::open(name)?;
+    let wire = Reopening::open(name)?;
     Ok(Box::new(RealPort { wire, opened: Instant::now() }))
 }

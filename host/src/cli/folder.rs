@@ -2,7 +2,7 @@
 
 use super::error::{CliError, Exit};
 use super::input::{Input, SeenPhoto};
-use super::mission::Run;
+use super::run::Run;
 use super::way::PlannedWay;
 use host::legs::{from_wire, planned_poses};
 use host::picture;
@@ -65,7 +65,7 @@ impl Folder {
 
     /// Writes down a run.
     pub(crate) fn run(&self, run: &Run) -> Result<(), CliError> {
-        let planned: Vec<_> = planned_poses(&run.legs, &run.limits)
+        let planned: Vec<_> = planned_poses(run.rest(), &run.limits)
             .into_iter()
             .map(|(time, pose)| TimedPose { time, pose })
             .collect();

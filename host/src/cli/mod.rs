@@ -21,6 +21,8 @@ mod plan;
 mod ports;
 mod quantity;
 mod queries;
+mod resume;
+mod run;
 mod sim;
 mod way;
 

@@ -5,6 +5,7 @@ use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
 use super::error::CliError;
 use super::mission;
 use super::output::Output;
+use super::run;
 use hil_sim::base::TruePose;
 use host::legs;
 use host::link::{LinkClient, LinkError, port};
@@ -82,7 +83,7 @@ pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
         {
             let pose = legs::from_wire(telemetry.pose);
             output.result(
-                &json!({"state": mission::state_name(telemetry.state), "pose": pose}),
+                &json!({"state": run::state_name(telemetry.state), "pose": pose}),
                 "stopped",
             );
             return Ok(());

@@ -127,6 +127,11 @@ impl Mission {
         self.progress
     }
 
+    /// Whether the robot has taken the plan over, so that there is something to resume.
+    pub fn has_begun(&self) -> bool {
+        self.accepted.is_some()
+    }
+
     /// One step at `now`: polls `client` and says what has happened since the last.
     ///
     /// # Errors
@@ -215,10 +220,10 @@ impl Mission {
         client: &mut LinkClient<P>,
         events: &mut Vec<MissionEvent>,
     ) -> Result<(), MissionError> {
+        client.check_protocol()?;
         let (Some(robot), Some(telemetry)) = (client.robot().copied(), client.telemetry()) else {
             return Ok(());
         };
-        client.check_protocol()?;
         let driven = robot.driven.filter(|driven| self.resuming && driven.plan == self.plan);
         let since = *self.greeted.get_or_insert(telemetry.ticks);
         let (state, ticks) = (telemetry.state, telemetry.ticks);

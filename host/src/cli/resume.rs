@@ -1,0 +1,297 @@
+//! What is remembered of a mission that was cut short, so that `--resume` can go on with it.
+//!
+//! ```text
+//! the robot still has the plan ─────────────────────► its own word holds: leg, pose
+//! it was stopped, but not restarted ─► leg as noted ─► its own pose
+//! it was restarted ──────────────────► leg as noted ─► where it was last heard, and how far it rolled on since
+//! ```
+//! A robot that restarts takes its place for the origin and counts its wheels' turns from there, so what
+//! it says of itself is the way that it rolled on. What it rolled between its last word and its restart
+//! nobody knows: some 20 ms, 8 mm at the default robot's full speed, and the time of the restart itself.
+//!
+//! One small file a plan lies in the user's state folder for as long as the plan is not driven to its
+//! end. Metres and radians, arena frame.
+
+use super::endpoint::Endpoint;
+use super::error::{CliError, Exit};
+use super::mission::place;
+use super::output::Output;
+use host::geometry::{Point, Pose};
+use host::legs::from_wire;
+use host::link::LinkClient;
+use host::link::mission::{Mission, Progress};
+use protocol::motion::{self, Leg};
+use serde::{Deserialize, Serialize};
+use std::env;
+use std::fs;
+use std::path::PathBuf;
+
+/// The rest of a leg may begin this far beside it: what plans for driving keep free beyond the
+/// robot's radius, metres.
+const BESIDE: f64 = 0.010;
+
+/// What is written down of a mission.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Note {
+    format: NoteFormat,
+    /// The plan's name, which is drawn from its legs.
+    plan: u32,
+    /// The first leg that is not known to have ended.
+    next: u16,
+    /// Where the robot was last heard.
+    pose: Pose,
+    /// The start of the robot that drove it.
+    boot: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum NoteFormat {
+    #[serde(rename = "wmr-resume/1")]
+    Resume,
+}
+
+/// The memory of one plan on one robot.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    /// `None` where nothing can be resumed: the robot ends with the program, or there is no folder.
+    file: Option<PathBuf>,
+    plan: u32,
+    legs: usize,
+    boot: u32,
+}
+
+impl Memory {
+    /// The memory of a mission of which nothing is to be remembered.
+    pub(crate) fn none() -> Self {
+        Self { file: None, plan: 0, legs: 0, boot: 0 }
+    }
+
+    /// The memory of `legs` on the robot that `client` has greeted.
+    pub(crate) fn of(client: &mut LinkClient<Box<dyn Endpoint>>, legs: &[Leg]) -> Self {
+        let plan = legs.first().map_or(0, |leg| leg.plan);
+        let file = folder().map(|folder| folder.join(format!("{plan:08x}.json")));
+        Self {
+            file: file.filter(|_| client.port_mut().outlives_the_program()),
+            plan,
+            legs: legs.len(),
+            boot: client.robot().map_or(0, |robot| robot.nonce),
+        }
+    }
+
+    /// Writes down how far the mission has come. A mission is not ended because that fails.
+    pub(crate) fn note(&self, progress: Progress, output: Output) {
+        let Some(file) = &self.file else { return };
+        let (format, pose) = (NoteFormat::Resume, from_wire(progress.pose));
+        let note = Note { format, plan: self.plan, next: progress.next, pose, boot: self.boot };
+        let written = serde_json::to_vec(&note).map_err(Into::into).and_then(|bytes| {
+            file.parent().map_or(Ok(()), fs::create_dir_all)?;
+            // Whole or not at all, whenever this program may be killed.
+            let new = file.with_extension("new");
+            fs::write(&new, bytes)?;
+            fs::rename(&new, file)
+        });
+        if let Err(error) = written {
+            output.say(&format!("{}: {error}; --resume may not work", file.display()));
+        }
+    }
+
+    /// Forgets a mission that has reached its end.
+    pub(crate) fn forget(&self) {
+        if let Some(file) = &self.file {
+            // Not there is as good as removed.
+            let _ = fs::remove_file(file);
+        }
+    }
+
+    /// The mission that drives the rest of `legs`, and its first leg.
+    ///
+    /// # Errors
+    /// If nobody knows how far they were driven, the robot drove something else, or it stands
+    /// somewhere else.
+    pub(crate) fn take_up(
+        &self,
+        client: &LinkClient<Box<dyn Endpoint>>,
+        legs: Vec<Leg>,
+        output: Output,
+    ) -> Result<(Mission, u16), CliError> {
+        let here = client.telemetry().map(|telemetry| telemetry.pose).unwrap_or_default();
+        match client.robot().and_then(|robot| robot.driven) {
+            Some(driven) if driven.plan == self.plan => {
+                self.say_rest(driven.next, output, "the robot still has the plan");
+                let progress = Progress { next: driven.next, pose: here };
+                return Ok((Mission::resume_from(legs, progress), driven.next));
+            }
+            Some(_) => {
+                return Err(cannot(
+                    "resume.other_plan",
+                    "the robot has driven another plan since",
+                    "resume that one, or drive this one from its start without --resume",
+                ));
+            }
+            None => {}
+        }
+        let note = self.read().ok_or_else(|| {
+            cannot(
+                "resume.nothing",
+                "neither the robot nor this computer remembers that this plan was begun and cut short",
+                "drive it from its start without --resume; a plan is known again only with the same options",
+            )
+        })?;
+        let restarted = note.boot != self.boot;
+        let here = from_wire(here);
+        let pose = if restarted { rolled_on(note.pose, here)? } else { here };
+        check_place(&legs, note.next, pose)?;
+        let how = if restarted {
+            format!(
+                "the robot has restarted and lost its place; from where it was last heard and how it rolled on, it is taken to stand at {}",
+                place(pose)
+            )
+        } else {
+            format!("the robot stands at {}", place(pose))
+        };
+        self.say_rest(note.next, output, &how);
+        let pose =
+            motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32);
+        Ok((Mission::resume_from(legs, Progress { next: note.next, pose }), note.next))
+    }
+
+    fn say_rest(&self, next: u16, output: Output, how: &str) {
+        output.say(&format!("{how}; {next} of {} legs are driven", self.legs));
+    }
+
+    fn read(&self) -> Option<Note> {
+        let bytes = fs::read(self.file.as_ref()?).ok()?;
+        let note: Note = serde_json::from_slice(&bytes).ok()?;
+        let fits = note.plan == self.plan && usize::from(note.next) <= self.legs;
+        fits.then_some(note)
+    }
+
+    /// `error`, with what was driven and the command that goes on from there.
+    pub(crate) fn offer(&self, error: CliError, progress: Progress) -> CliError {
+        if self.file.is_none() {
+            return error;
+        }
+        let message = format!(
+            "{}; {} of {} legs are driven, and it was last heard at {}",
+            error.message,
+            progress.next,
+            self.legs,
+            place(from_wire(progress.pose))
+        );
+        let help = format!("{}, or go on from where it stands: {}", error.help, command());
+        CliError { message, help, ..error }
+    }
+}
+
+/// A robot that coasts after a restart comes no further than this, metres: V²/2A and as much again.
+const FARTHEST_ROLL: f64 = 0.2;
+
+/// Where a robot stands that was at `last` and has moved by `since` in its own frame.
+fn rolled_on(last: Pose, since: Pose) -> Result<Pose, CliError> {
+    let Point { x, y } = since.position;
+    let (sin, cos) = last.heading.sin_cos();
+    if x.hypot(y) > FARTHEST_ROLL {
+        return Err(cannot(
+            "resume.elsewhere",
+            format!("the robot has moved {:.0} mm since it restarted", x.hypot(y) * 1000.0),
+            "plan anew from where it stands, with --start x,y,heading",
+        ));
+    }
+    Ok(Pose::new(
+        last.position.x + cos * x - sin * y,
+        last.position.y + sin * x + cos * y,
+        last.heading + since.heading,
+    ))
+}
+
+/// An error if the rest of leg `next` would not begin beside it.
+fn check_place(legs: &[Leg], next: u16, pose: Pose) -> Result<(), CliError> {
+    let Some(leg) = legs.get(usize::from(next)) else { return Ok(()) };
+    let start = from_wire(leg.start).position;
+    let goal = Point::new(leg.goal.x.0.into(), leg.goal.y.0.into());
+    let beside = distance_to_segment(pose.position, start, goal);
+    if beside <= BESIDE {
+        return Ok(());
+    }
+    Err(cannot(
+        "resume.elsewhere",
+        format!(
+            "the robot stands at {}, {:.0} mm beside leg {} of the plan",
+            place(pose),
+            beside * 1000.0,
+            next + 1
+        ),
+        "plan anew from there with --start x,y,heading",
+    ))
+}
+
+fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let along = ((point.x - a.x) * dx + (point.y - a.y) * dy) / (dx * dx + dy * dy);
+    // A segment of no length is a point.
+    let along = if along.is_finite() { along.clamp(0.0, 1.0) } else { 0.0 };
+    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
+}
+
+fn cannot(code: &str, message: impl std::fmt::Display, help: &str) -> CliError {
+    CliError::new(Exit::Usage, code, message, help)
+}
+
+/// Where programs keep what a user would not miss: after the XDG base directories, or as Windows has it.
+fn folder() -> Option<PathBuf> {
+    let set = |name| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = || set("HOME").map(|home| home.join(".local").join("state"));
+    let base = set("XDG_STATE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(home)?;
+    Some(base.join("wmr"))
+}
+
+/// The command that was typed, with `--resume`, as a shell reads it.
+fn command() -> String {
+    let mut words: Vec<String> = env::args().collect();
+    if !words.iter().any(|word| word == "--resume") {
+        words.push("--resume".into());
+    }
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./:=,@+%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_reads_the_words_as_they_were_typed() {
+        assert_eq!(quoted("--port=/dev/ttyACM0"), "--port=/dev/ttyACM0");
+        assert_eq!(quoted("my plan.json"), "'my plan.json'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn a_robot_rolls_on_ahead_of_itself() {
+        let last = Pose::new(1.0, 2.0, std::f64::consts::FRAC_PI_2);
+        let pose = rolled_on(last, Pose::new(0.1, 0.0, 0.25)).unwrap();
+        assert!(pose.position.distance(Point::new(1.0, 2.1)) < 1e-12, "{pose:?}");
+        assert_eq!(pose.heading, last.heading + 0.25);
+        assert!(rolled_on(last, Pose::new(0.0, 0.3, 0.0)).is_err());
+    }
+
+    #[test]
+    fn the_rest_of_a_leg_begins_beside_it() {
+        let (a, b) = (Point::new(0.0, 0.0), Point::new(3.0, 4.0));
+        let distance = |x, y| distance_to_segment(Point::new(x, y), a, b);
+        assert_eq!(distance(1.5, 2.0), 0.0);
+        assert!((distance(-0.8, 0.6) - 1.0).abs() < 1e-12, "before its start");
+        assert!((distance(3.0 + 0.6, 4.0 + 0.8) - 1.0).abs() < 1e-12, "behind its end");
+        assert!((distance(1.5 - 0.08, 2.0 + 0.06) - 0.1).abs() < 1e-12, "beside it");
+        assert_eq!(distance_to_segment(b, a, a), 5.0);
+    }
+}

@@ -1,0 +1,179 @@
+//! What happened on a drive, for files, programs and people: metres and radians, seconds of the robot's
+//! clock.
+
+use host::geometry::{Point, Pose};
+use host::legs::{from_wire, planned_end};
+use host::link::LinkStatistics;
+use host::link::mission::MissionEvent;
+use protocol::message::{LegResult, State, Telemetry};
+use protocol::motion::{self, Leg, Limits};
+use serde_json::{Value, json};
+
+/// What happened on the way.
+#[derive(Clone, Debug)]
+pub(crate) struct Run {
+    pub(crate) legs: Vec<Leg>,
+    /// The first of them that was driven: others before it were driven earlier.
+    pub(crate) first: u16,
+    pub(crate) limits: Limits,
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) results: Vec<LegResult>,
+    pub(crate) end: Pose,
+    pub(crate) truth: Option<hil_sim::simulation::Truth>,
+    pub(crate) link: LinkStatistics,
+}
+
+/// What the robot said at one moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// Since the plan began, seconds.
+    pub(crate) time: f64,
+    pub(crate) telemetry: Telemetry,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct RunClock {
+    accepted: Option<u32>,
+}
+
+impl RunClock {
+    /// Seconds of the robot's clock since the first word after the plan was accepted.
+    fn seconds(&mut self, ticks: u32) -> f64 {
+        let accepted = *self.accepted.get_or_insert(ticks);
+        f64::from(ticks.wrapping_sub(accepted)) * f64::from(motion::TICK_MILLISECONDS) / 1000.0
+    }
+}
+
+impl Run {
+    pub(super) fn new(legs: Vec<Leg>, limits: Limits, start: Pose) -> Self {
+        Self {
+            legs,
+            first: 0,
+            limits,
+            samples: Vec::new(),
+            results: Vec::new(),
+            end: start,
+            truth: None,
+            link: LinkStatistics::default(),
+        }
+    }
+
+    /// The legs that were to be driven.
+    pub(crate) fn rest(&self) -> &[Leg] {
+        self.legs.get(usize::from(self.first)..).unwrap_or_default()
+    }
+
+    /// Notes an event; true if it is the last.
+    pub(super) fn note(&mut self, event: MissionEvent, clock: &mut RunClock) -> bool {
+        match event {
+            MissionEvent::Telemetry(telemetry) if telemetry.state != State::Idle => {
+                self.samples.push(Sample { time: clock.seconds(telemetry.ticks), telemetry });
+            }
+            MissionEvent::LegDone(result) => self.results.push(result),
+            MissionEvent::Done(pose) => {
+                self.end = from_wire(pose);
+                return true;
+            }
+            MissionEvent::Connected(_)
+            | MissionEvent::Accepted { .. }
+            | MissionEvent::Telemetry(_) => {}
+        }
+        false
+    }
+
+    /// How long the legs took, seconds of the robot's clock.
+    pub(crate) fn duration(&self) -> f64 {
+        let ticks: u32 = self.results.iter().map(|result| result.ticks).sum();
+        f64::from(ticks) * f64::from(motion::TICK_MILLISECONDS) / 1000.0
+    }
+
+    /// Where the robot really is if somebody knows, else where it believes to be.
+    pub(crate) fn best_pose(&self) -> Pose {
+        self.truth
+            .map_or(self.end, |truth| Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
+    }
+
+    /// How far it is from the goal: metres and radians.
+    pub(crate) fn error(&self) -> (f64, f64) {
+        let goal = planned_end(&self.legs, &self.limits).unwrap_or(self.end);
+        difference(goal, self.best_pose())
+    }
+
+    /// Whether it ended at the goal.
+    pub(crate) fn reached(&self) -> bool {
+        let (position, heading) = self.error();
+        position < REACHED_POSITION && heading < REACHED_HEADING
+    }
+
+    /// The document of `wmr drive --json`.
+    pub(crate) fn document(&self) -> Value {
+        let (position, heading) = self.error();
+        let mut document = json!({
+            "reached": self.reached(),
+            "pose": self.end,
+            "error": {"position": position, "heading": heading},
+            "duration": self.duration(),
+            "legs": self.leg_documents(),
+            "link": {"frames": self.link.frames, "retransmitted": self.link.retransmitted, "lost": self.link.lost},
+        });
+        if let (Some(truth), Some(document)) = (self.truth, document.as_object_mut()) {
+            document.insert(
+                "true_pose".into(),
+                json!([truth.pose.x, truth.pose.y, truth.pose.heading]),
+            );
+            if let Some(encounters) = truth.encounters {
+                document.insert("collisions".into(), json!(encounters.collisions));
+                document.insert("min_clearance".into(), json!(encounters.min_clearance));
+            }
+        }
+        document
+    }
+
+    fn leg_documents(&self) -> Vec<Value> {
+        self.results.iter().zip(self.rest()).map(|(result, leg)| {
+            let goal = from_wire(leg.intervals(&self.limits)[2].end());
+            let (position, heading) = difference(goal, from_wire(result.pose));
+            let seconds = f64::from(result.ticks) * f64::from(motion::TICK_MILLISECONDS) / 1000.0;
+            json!({"index": result.index, "duration": seconds, "error": {"position": position, "heading": heading}})
+        }).collect()
+    }
+
+    /// The lines of `run.jsonl`.
+    pub(crate) fn lines(&self) -> String {
+        self.samples
+            .iter()
+            .map(|Sample { time, telemetry }| {
+                let line = json!({
+                    "t": time,
+                    "pose": from_wire(telemetry.pose),
+                    "wheels": [telemetry.wheels.left, telemetry.wheels.right],
+                    "leg": telemetry.leg,
+                    "state": state_name(telemetry.state),
+                });
+                format!("{line}\n")
+            })
+            .collect()
+    }
+}
+
+/// Nearer than this the goal counts as reached: a tenth of the default robot's radius, metres.
+const REACHED_POSITION: f64 = 0.0075;
+/// And looking as wanted to this, radians: 2°.
+const REACHED_HEADING: f64 = 0.035;
+
+fn difference(goal: Pose, pose: Pose) -> (f64, f64) {
+    let turn =
+        (pose.heading - goal.heading + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU);
+    (Point::distance(goal.position, pose.position), (turn - std::f64::consts::PI).abs())
+}
+
+/// The name of a state in files.
+pub(crate) fn state_name(state: State) -> &'static str {
+    match state {
+        State::Idle => "idle",
+        State::Driving => "driving",
+        State::Paused(_) => "paused",
+        State::Stopped => "stopped",
+        State::Faulted(_) => "faulted",
+    }
+}
