@@ -19,6 +19,8 @@ pub struct InProcess {
     robot: Robot,
     battery: Option<f32>,
     flash: Flash,
+    /// The base's counts when this start began: the board's own counters begin at zero.
+    first_counts: Option<[i32; 2]>,
 }
 
 /// What the robot's flash holds, for one that starts again: the two slots of its parameters.
@@ -36,7 +38,7 @@ impl InProcess {
         let mut robot = Robot::new(parameters, boot);
         let [a, b] = &flash;
         robot.restore([a, b]);
-        Self { robot, battery: None, flash }
+        Self { robot, battery: None, flash, first_counts: None }
     }
 
     /// What the flash holds.
@@ -98,6 +100,8 @@ impl Brain for InProcess {
         sent: &mut VecDeque<u8>,
     ) -> io::Result<[f64; 2]> {
         self.robot.receive(Port::Usb, received);
+        let [left, right] = *self.first_counts.get_or_insert(counts);
+        let counts = [counts[0].wrapping_sub(left), counts[1].wrapping_sub(right)];
         let sensors = Sensors { counts, battery: self.battery, ..Sensors::default() };
         let actuation = self.robot.tick(&sensors);
         if let Some(steps) = actuation.save {

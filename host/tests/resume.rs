@@ -140,7 +140,8 @@ fn from_goal(pose: TruePose) -> f64 {
 
 /// The indices of the legs that a run has driven.
 fn driven(run: &Value) -> Vec<u64> {
-    run["legs"].as_array().unwrap().iter().map(|leg| leg["index"].as_u64().unwrap()).collect()
+    let legs = run["legs"].as_array().unwrap_or_else(|| panic!("{run}"));
+    legs.iter().map(|leg| leg["index"].as_u64().unwrap()).collect()
 }
 
 #[test]
