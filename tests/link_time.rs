@@ -6,7 +6,7 @@ use hil_sim::wire::{Fate, Faults, Pace, Wire};
 use host::link::mission::{Mission, MissionError, MissionEvent, Progress};
 use host::link::{LinkClient, LinkError};
 use protocol::frame::{Decoder, MAX_FRAME};
-use protocol::message::{Command, State};
+use protocol::message::{Command, MAX_LEGS, State};
 use protocol::session::Session;
 use protocol::units::Milliseconds;
 use std::time::Duration;
@@ -70,7 +70,7 @@ fn drive_into_third_leg(client: &mut Client, mission: &mut Mission) -> Vec<Missi
 #[test]
 fn a_leg_is_acknowledged_within_15_ms_beside_telemetry() {
     let mut client = wired(Faults::default(), UART, 1);
-    let mut mission = Mission::new(straight_legs(1, 64, 0.4), ORIGIN);
+    let mut mission = Mission::new(straight_legs(1, MAX_LEGS as u16, 0.4), ORIGIN);
     step_until(&mut client, &mut mission, 5, |client, _| {
         client.telemetry().is_some_and(|telemetry| telemetry.state == State::Driving)
     })
@@ -250,6 +250,31 @@ fn a_cable_that_is_plugged_in_again_does_not_end_the_mission() {
     );
     assert!(resumed.unwrap() - back < Duration::from_secs(1));
     assert_eq!([ended(&before), ended(&during)].concat(), [0, 1, 2, 3, 4]);
+}
+
+#[test]
+fn a_computer_that_was_away_does_not_blame_the_robot() {
+    let mut client = wired(Faults::default(), UART, 6);
+    // The client's clock is ahead of the robot's by as long as the computer was away.
+    let poll = |client: &mut Client, away: Duration, polls: u32| {
+        for _ in 0..polls {
+            client.port_mut().wait(MILLISECOND).unwrap();
+            let now = client.port_mut().now() + away;
+            client.poll(now)?;
+        }
+        Ok::<_, LinkError>(())
+    };
+    poll(&mut client, Duration::ZERO, 500).unwrap();
+    let away = Duration::from_secs(20);
+    client.stop();
+    assert!(client.send(Command::GetParameters));
+    poll(&mut client, away, 500).unwrap();
+    assert_eq!((client.unacknowledged(), client.last_stop()), (0, (1, true)));
+    // A robot that is silent while the computer looks is lost after 3 s as ever.
+    let cut = Faults { loss: 1.0, ..Faults::default() };
+    client.port_mut().wires()[1].change(cut, UART);
+    poll(&mut client, away, 2_900).unwrap();
+    assert!(matches!(poll(&mut client, away, 200), Err(LinkError::Lost(_))));
 }
 
 #[test]

@@ -86,7 +86,7 @@ impl Memory {
         let written = serde_json::to_vec(&note).map_err(Into::into).and_then(|bytes| {
             file.parent().map_or(Ok(()), fs::create_dir_all)?;
             // Whole or not at all, whenever this program may be killed.
-            let new = file.with_extension("new");
+            let new = file.with_extension(std::process::id().to_string());
             fs::write(&new, bytes)?;
             fs::rename(&new, file)
         });

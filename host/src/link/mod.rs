@@ -40,6 +40,10 @@ pub const PATIENCE: Duration = Duration::from_secs(3);
 /// have to be sent many times.
 const DEAF_EXTRA: Duration = Duration::from_secs(1);
 
+/// A computer that was busy or asleep for longer than this between two polls was away: what is beyond
+/// says nothing about the robot, whose words may still be on their way, so no timer counts it.
+const LONGEST_GAP: Duration = Duration::from_millis(100);
+
 /// What became of frames on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkStatistics {
@@ -52,7 +56,7 @@ pub struct LinkStatistics {
 }
 
 /// One end of a session with a robot behind `P`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LinkClient<P> {
     port: P,
     hello: HostHello,
@@ -64,6 +68,8 @@ pub struct LinkClient<P> {
     clock: RobotClock,
     reports: Vec<Report>,
     started: Option<Milliseconds>,
+    polled: Option<Duration>,
+    away: Duration,
     sent: Option<Milliseconds>,
     stop: StopRequest,
     pause_wanted: bool,
@@ -86,6 +92,8 @@ impl<P: Read + Write> LinkClient<P> {
             clock: RobotClock::default(),
             reports: Vec::new(),
             started: None,
+            polled: None,
+            away: Duration::ZERO,
             sent: None,
             stop: StopRequest::default(),
             pause_wanted: false,
@@ -215,7 +223,9 @@ impl<P: Read + Write> LinkClient<P> {
     /// # Errors
     /// [`LinkError`]; the link is then of no further use.
     pub fn poll(&mut self, now: Duration) -> Result<Vec<Report>, LinkError> {
-        let clock = Milliseconds(now.as_millis() as u32);
+        let gap = now.saturating_sub(self.polled.replace(now).unwrap_or(now));
+        self.away += gap.saturating_sub(LONGEST_GAP);
+        let clock = self.milliseconds(now);
         let started = *self.started.get_or_insert(clock);
         self.receive(now)?;
         match &self.robot {
@@ -236,6 +246,11 @@ impl<P: Read + Write> LinkClient<P> {
             Some(_) => self.transmit(clock)?,
         }
         Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// The time that timers count: without that in which this computer was away.
+    fn milliseconds(&self, now: Duration) -> Milliseconds {
+        Milliseconds(now.saturating_sub(self.away).as_millis() as u32)
     }
 
     /// How long the robot has not taken notice of a command or stop.
@@ -265,7 +280,7 @@ impl<P: Read + Write> LinkClient<P> {
 
     fn accept(&mut self, header: &Header, report: Report, now: Duration) -> Result<(), LinkError> {
         self.received += 1;
-        let clock = Milliseconds(now.as_millis() as u32);
+        let clock = self.milliseconds(now);
         if let Report::Hello(hello) = report {
             return self.greet(hello, clock);
         }
