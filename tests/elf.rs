@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::Duration;
+use tests::elf_resets::{Resets, reset_often};
 use tests::lockstep::on_the_python_base;
 use tests::{POLL, drive, simulated_robot};
 
@@ -199,6 +200,13 @@ fn late_ticks_cut_the_drive_once_there_are_too_many() {
     assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
     let end = late(Duration::from_millis(27)).map(|_| ());
     assert!(matches!(end, Err(MissionError::Fault(message::Fault::TickOverrun))), "{end:?}");
+}
+
+/// A few of the fifty of `examples/elf_resets.rs`, one of each cause.
+#[test]
+fn a_reset_in_the_middle_of_a_leg_leaves_the_robot_at_rest_and_its_mission_to_be_resumed() {
+    let tally = reset_often(Path::new(ELF), 3, 1);
+    assert_eq!(tally, Resets { noticed: 3, at_rest: 3, resumed: 3, legs: 3 });
 }
 
 #[test]
