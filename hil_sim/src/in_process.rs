@@ -14,7 +14,7 @@ use std::io;
 use std::time::Duration;
 
 /// The robot's logic as a [`Brain`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct InProcess {
     robot: Robot,
     battery: Option<f32>,

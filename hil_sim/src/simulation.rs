@@ -36,7 +36,7 @@ pub trait Brain {
 }
 
 /// A simulated robot in a simulated arena.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Simulation<B> {
     brain: B,
     base: WheeledBase,

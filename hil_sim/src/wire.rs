@@ -108,6 +108,11 @@ impl Wire {
         self.script.extend(fates);
     }
 
+    /// How many of the fates ordained are still to come.
+    pub fn ordained(&self) -> usize {
+        self.script.len()
+    }
+
     /// Another wire from now on; what is on its way arrives as before.
     pub fn change(&mut self, faults: Faults, pace: Pace) {
         (self.faults, self.pace) = (faults, pace);

@@ -8,10 +8,12 @@
 
 pub mod damage;
 pub mod elf_file;
+pub mod elf_resets;
 pub mod figures;
 pub mod fuzzing;
 pub mod link;
 pub mod lockstep;
+pub mod model;
 #[cfg(unix)]
 pub mod replug;
 pub mod vehicles;
