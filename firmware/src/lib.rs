@@ -21,6 +21,7 @@ pub mod leg_runner;
 mod link_end;
 pub mod math;
 pub mod odometry;
+mod outbox;
 pub mod pace;
 pub mod parameter_store;
 pub mod parameters;

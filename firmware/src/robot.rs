@@ -9,16 +9,15 @@
 
 use crate::controller::Controller;
 use crate::link_end::{Heard, LinkEnd};
+use crate::outbox::Outbox;
 use crate::parameter_store::{ParameterStore, RECORD_SIZE, Step};
 use crate::parameters::Parameters;
-pub use crate::signals::Sensors;
+pub use crate::signals::{Actuation, Boot, Sensors};
 use crate::signals::{Event, Outcome};
 use crate::version::{FIRMWARE_GIT, FIRMWARE_VERSION};
-use heapless::Deque;
 use protocol::message::{
-    Board, CameraPose, Command, Driven, Fault, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason,
-    PlanRefusal, PoseRefusal, Reboot, Report, ResetCause, RobotHello, SILENCE_LIMIT_MILLISECONDS,
-    State, Telemetry,
+    CameraPose, Command, Driven, Fault, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal,
+    PoseRefusal, Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
 use protocol::parameters::ParameterRefusal;
@@ -34,32 +33,6 @@ pub enum Port {
     Uart,
 }
 
-/// What the robot is told when it starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Boot {
-    /// A number that differs from start to start.
-    pub nonce: u32,
-    /// What the robot runs on.
-    pub board: Board,
-    /// Why it starts.
-    pub reset: ResetCause,
-}
-
-/// What the robot does with its motors, and with itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Actuation {
-    /// The motors' duty, left and right, -1..=1; positive drives forward.
-    pub duty: [f32; 2],
-    /// Restart now; only ever asked for at rest.
-    pub reboot: Option<Reboot>,
-    /// Do this to the flash with [`Robot::parameter_record`], and then call
-    /// [`Robot::parameters_written`] with what the slot holds; only ever asked for at rest.
-    pub save: Option<[Step; 2]>,
-}
-
-/// Answers that wait for room in the session; no command is taken while they are this many.
-const ANSWERS: usize = 4;
-
 /// One robot.
 #[derive(Clone, Debug)]
 pub struct Robot {
@@ -67,9 +40,7 @@ pub struct Robot {
     usb: LinkEnd,
     uart: LinkEnd,
     owner: Option<Port>,
-    answers: Deque<Report, ANSWERS>,
-    results: Deque<LegResult, { MAX_LEGS + 1 }>,
-    plan_end: Option<Report>,
+    outbox: Outbox,
     driven: Option<Driven>,
     reboot: Option<Reboot>,
     store: ParameterStore,
@@ -106,9 +77,7 @@ impl Robot {
             usb: LinkEnd::new(hello),
             uart: LinkEnd::new(hello),
             owner: None,
-            answers: Deque::new(),
-            results: Deque::new(),
-            plan_end: None,
+            outbox: Outbox::default(),
             driven: None,
             reboot: None,
             store: ParameterStore::read([&[], &[]]).0,
@@ -174,14 +143,13 @@ impl Robot {
         match event {
             Some(Event::LegDone(result)) => {
                 self.controller.queue().finish_leg(result.index);
-                // `commit` never lets more legs in than there is room for results.
-                let _ = self.results.push_back(result);
+                self.outbox.leg_done(result);
             }
             Some(Event::PlanDone { plan, pose }) => {
                 // A stop at the very end has made the controller forget the plan.
                 let driven = self.controller.queue().driven().or(self.driven);
                 let end = driven.map_or(0, |driven| driven.end);
-                self.plan_end = Some(Report::PlanDone { plan, end, pose });
+                self.outbox.plan_ended(Report::PlanDone { plan, end, pose });
             }
             None => {}
         }
@@ -228,7 +196,7 @@ impl Robot {
     fn meet(&mut self, port: Port) {
         if self.owner == Some(port) {
             self.controller.pause(PauseReason::Silence);
-            self.forget_reports();
+            self.outbox = Outbox::default();
         }
     }
 
@@ -239,24 +207,16 @@ impl Robot {
             && next != end
         {
             let (state, pose) = (self.controller.state(), self.controller.pose());
-            self.plan_end = Some(Report::PlanStopped { plan, next, state, pose });
+            self.outbox.plan_ended(Report::PlanStopped { plan, next, state, pose });
         }
         self.driven = driven;
-    }
-
-    fn forget_reports(&mut self) {
-        self.answers.clear();
-        self.results.clear();
-        self.plan_end = None;
     }
 
     /// Obeys the reliable lane, as long as there is room for what there is to say about it. What
     /// waits there also keeps the host from sending more.
     fn take_commands(&mut self, port: Port) {
         let owns = self.owner == Some(port);
-        while self.link(port).has_room()
-            && !(owns && (self.answers.is_full() || self.plan_end.is_some()))
-        {
+        while self.link(port).has_room() && !(owns && self.outbox.is_full()) {
             let Some(command) = self.link(port).next_command() else { return };
             self.obey(port, command);
         }
@@ -314,7 +274,7 @@ impl Robot {
 
     fn commit(&mut self, port: Port, plan: u32) {
         self.own(port);
-        let room = MAX_LEGS - self.results.len().min(MAX_LEGS);
+        let room = self.outbox.room_for_legs();
         let report = match self.controller.commit(plan, room) {
             Ok(()) => {
                 let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
@@ -381,7 +341,7 @@ impl Robot {
     /// dropped where the owner does not listen.
     fn report(&mut self, report: Report) {
         if self.owner.is_some() {
-            let _ = self.answers.push_back(report);
+            self.outbox.answer(report);
         }
     }
 
@@ -389,7 +349,7 @@ impl Robot {
     fn own(&mut self, port: Port) {
         if self.owner != Some(port) {
             // What the last owner has not heard by now, hello tells it.
-            self.forget_reports();
+            self.outbox = Outbox::default();
             self.owner = Some(port);
         }
     }
@@ -398,19 +358,12 @@ impl Robot {
     /// order, and the end of the plan behind them.
     fn flush(&mut self) {
         let Some(owner) = self.owner else { return };
-        while let Some(report) = self.next_report() {
+        while let Some(report) = self.outbox.next() {
             if !self.link(owner).report(report) {
                 return;
             }
-            if self.answers.pop_front().is_none() && self.results.pop_front().is_none() {
-                self.plan_end = None;
-            }
+            self.outbox.advance();
         }
-    }
-
-    fn next_report(&self) -> Option<Report> {
-        let result = || self.results.front().map(|result| Report::LegDone(*result));
-        self.answers.front().copied().or_else(result).or(self.plan_end)
     }
 
     fn link(&mut self, port: Port) -> &mut LinkEnd {

@@ -1,6 +1,7 @@
-//! What goes into a control tick, and what comes out of it.
+//! What goes into the robot at its start and at each control tick, and what comes out.
 
-use protocol::message::{BatteryReport, LegResult};
+use crate::parameter_store::Step;
+use protocol::message::{BatteryReport, Board, LegResult, Reboot, ResetCause};
 use protocol::motion::Pose;
 
 /// What the robot measures.
@@ -37,4 +38,27 @@ pub struct Outcome {
     pub event: Option<Event>,
     /// The battery, if it has reached another level.
     pub battery: Option<BatteryReport>,
+}
+
+/// What the robot is told when it starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Boot {
+    /// A number that differs from start to start.
+    pub nonce: u32,
+    /// What the robot runs on.
+    pub board: Board,
+    /// Why it starts.
+    pub reset: ResetCause,
+}
+
+/// What the robot does with its motors, and with itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actuation {
+    /// The motors' duty, left and right, -1..=1; positive drives forward.
+    pub duty: [f32; 2],
+    /// Restart now; only ever asked for at rest.
+    pub reboot: Option<Reboot>,
+    /// Do this to the flash with [`Robot::parameter_record`](crate::robot::Robot::parameter_record), and then call
+    /// [`Robot::parameters_written`](crate::robot::Robot::parameters_written) with what the slot holds; only ever asked for at rest.
+    pub save: Option<[Step; 2]>,
 }

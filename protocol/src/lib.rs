@@ -1,7 +1,7 @@
 //! What the host and the robot both know: units, motion, messages, frames and session rules.
 //!
 //! ```text
-//! units ─► motion ─► parameters, telemetry ─► message ─► schema, frame ─► session
+//! units ─► motion ─► parameters, plan, telemetry ─► message ─► schema, frame ─► session
 //! ```
 //! Nothing here knows of pictures, motors or ports; there is no allocation, no clock and no I/O.
 #![cfg_attr(not(test), no_std)]
@@ -11,6 +11,7 @@ pub mod frame;
 pub mod message;
 pub mod motion;
 pub mod parameters;
+pub mod plan;
 pub mod schema;
 pub mod session;
 pub mod telemetry;
