@@ -77,19 +77,35 @@ pub fn encode<T: Serialize>(
     message: &T,
     out: &mut [u8],
 ) -> Result<usize, FrameError> {
-    let mut content = [0; MAX_CONTENT];
-    let length = postcard::to_slice(&(header, message), &mut content)
-        .map_err(|_| FrameError::TooLong)?
-        .len();
-    let (body, rest) = content.split_at_mut_checked(length).ok_or(FrameError::TooLong)?;
-    let crc = CASTAGNOLI.checksum(body).to_le_bytes();
-    rest.get_mut(..CRC_SIZE).ok_or(FrameError::TooLong)?.copy_from_slice(&crc);
-    let content = content.get(..length + CRC_SIZE).ok_or(FrameError::TooLong)?;
-    let room = out.len().checked_sub(1).ok_or(FrameError::TooLong)?;
-    let stuffed = out.get_mut(..room).ok_or(FrameError::TooLong)?;
-    let length = cobs::try_encode(content, stuffed).map_err(|_| FrameError::TooLong)?;
-    *out.get_mut(length).ok_or(FrameError::TooLong)? = 0;
-    Ok(length + 1)
+    let most = out.len().min(MAX_FRAME);
+    let body = out.get_mut(1..most).ok_or(FrameError::TooLong)?;
+    let written = postcard::to_slice(&(header, message), body);
+    let length = written.map_err(|_| FrameError::TooLong)?.len();
+    seal(out.get_mut(..most).unwrap_or_default(), length)
+}
+
+/// Closes the frame around the `length` bytes that stand behind the first: CRC, COBS, zero.
+///
+/// A frame is shorter than the 254 bytes at which COBS would add another, so it is stuffed where it
+/// stands: each zero becomes the distance to the next.
+#[inline(never)]
+fn seal(out: &mut [u8], length: usize) -> Result<usize, FrameError> {
+    let end = 1 + length + CRC_SIZE;
+    let (content, rest) = out.split_at_mut_checked(end).ok_or(FrameError::TooLong)?;
+    *rest.first_mut().ok_or(FrameError::TooLong)? = 0;
+    let (body, crc) = content.split_at_mut_checked(1 + length).ok_or(FrameError::TooLong)?;
+    let (first, body) = body.split_first_mut().ok_or(FrameError::TooLong)?;
+    *first = 0;
+    crc.copy_from_slice(&CASTAGNOLI.checksum(body).to_le_bytes());
+    let mut distance = 1;
+    for byte in content.iter_mut().rev() {
+        if *byte == 0 {
+            *byte = distance;
+            distance = 0;
+        }
+        distance += 1;
+    }
+    Ok(end + 1)
 }
 
 /// Reads the frame that stood between two zeros; `bytes` is used as scratch space.
@@ -97,16 +113,32 @@ pub fn encode<T: Serialize>(
 /// # Errors
 /// [`FrameError`] if it is not a whole, undamaged frame that carries a `T`.
 pub fn decode<T: DeserializeOwned>(bytes: &mut [u8]) -> Result<(Header, T), FrameError> {
-    let length = cobs::decode_in_place(bytes).map_err(|_| FrameError::Broken)?;
-    let content = bytes.get(..length).ok_or(FrameError::Broken)?;
-    let split = length.checked_sub(CRC_SIZE).ok_or(FrameError::Broken)?;
-    let (body, crc) = content.split_at_checked(split).ok_or(FrameError::Broken)?;
-    if CASTAGNOLI.checksum(body).to_le_bytes() != crc {
-        return Err(FrameError::Damaged);
-    }
-    match postcard::take_from_bytes::<(Header, T)>(body) {
+    match postcard::take_from_bytes::<(Header, T)>(unseal(bytes)?) {
         Ok((content, [])) => Ok(content),
         _ => Err(FrameError::Unknown),
+    }
+}
+
+/// Header and message of a frame, if they are undamaged.
+#[inline(never)]
+fn unseal(bytes: &mut [u8]) -> Result<&[u8], FrameError> {
+    let mut place = 0;
+    while let Some(byte) = bytes.get_mut(place) {
+        let distance = core::mem::take(byte);
+        if distance == 0 {
+            return Err(FrameError::Broken);
+        }
+        place += usize::from(distance);
+    }
+    if place != bytes.len() {
+        return Err(FrameError::Broken);
+    }
+    let content = bytes.get(1..).ok_or(FrameError::Broken)?;
+    let (body, crc) = content.split_last_chunk::<CRC_SIZE>().ok_or(FrameError::Broken)?;
+    if CASTAGNOLI.checksum(body).to_le_bytes() == *crc {
+        Ok(body)
+    } else {
+        Err(FrameError::Damaged)
     }
 }
 
@@ -182,6 +214,18 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_stuffing_is_that_of_the_cobs_crate(content in prop::collection::vec(prop_oneof![Just(0u8), any::<u8>()], 1..80)) {
+            let mut out = [0; MAX_FRAME];
+            out[1..=content.len()].copy_from_slice(&content);
+            let length = seal(&mut out, content.len()).unwrap();
+            let crc = CASTAGNOLI.checksum(&content).to_le_bytes();
+            let stuffed = cobs::encode_vec(&[&content[..], &crc].concat());
+            prop_assert_eq!(&out[..length - 1], &stuffed[..]);
+            prop_assert_eq!(out[length - 1], 0);
+            prop_assert_eq!(unseal(&mut out[..length - 1]), Ok(&content[..]));
+        }
+
         #[test]
         fn what_is_written_is_read(session: u32, sequence: Option<u16>, ack: u16, ack_bits: u8, message: [u32; 8]) {
             let header = Header { session, sequence, ack, ack_bits };
