@@ -2,7 +2,7 @@
 //!
 //! The wire is the adversary. Its choices for the first frames are tried out one and all; after them
 //! it is perfect, or dead. So every state that host and robot can reach together within those frames
-//! is reached, and none may last.
+//! is reached, and none may last. [`search`] tries out fewer faults, but at any moment until the end.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use hil_sim::wire::{Fate, Faults, Pace};
@@ -16,6 +16,7 @@ use protocol::schema::SCHEMA_HASH;
 use protocol::session::session_id;
 use tests::POLL;
 use tests::link::{Client, ORIGIN, STUCK, straight_legs, wired};
+use tests::model::{Begin, search};
 
 use firmware::robot::{Boot, Port, Robot, Sensors};
 
@@ -70,6 +71,16 @@ fn every_history_between_two_plans_ends_at_the_goal() {
             wire.ordain(fates);
         }
         assert!(matches!(end(&mut client, 2).as_deref(), Ok([0, 1])), "{fates:?}");
+    }
+}
+
+/// Three faults take minutes: `cargo run --release -p tests --example link_states -- 3`.
+#[test]
+fn every_history_with_two_faults_at_any_moment_ends_at_the_goal() {
+    for begin in [Begin::Fresh, Begin::BetweenPlans] {
+        let found = search(begin, 2);
+        // A search that met fewer states has not looked everywhere.
+        assert!(found.states > 5_000 && found.restarted > 1_000, "{begin:?} {found:?}");
     }
 }
 
