@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::Rect;
 use crate::grid::Area;
+use crate::map::CellMap;
 use proptest::prelude::*;
 
 /// The experiment of the paper as reconstructed in `assets/paper.json` [Alghannam, Sec. V].
@@ -145,6 +146,59 @@ fn exact_lengths_are_those_of_the_arenas_and_the_paper_s_are_not_far_off() {
                 assert!(least <= plan.length && plan.length <= most * bound, "{}", plan.length);
             }
         }
+    }
+}
+
+/// A first query searches by cones, the next ones use roads: both must give the length to 1e-9 of it.
+fn assert_exact(scene: &Scene, rows: &[(Point, Point, f64)]) {
+    let options = PlanOptions::default();
+    let mut asked_before = PreparedArena::new(scene, &options).unwrap();
+    for &(start, goal, exact) in rows {
+        let first = PreparedArena::new(scene, &options).unwrap().plan(start, goal).unwrap();
+        let again = asked_before.plan(start, goal).unwrap();
+        for length in [first.length, again.length] {
+            // The files give nine decimals.
+            let slack = 1e-9 * exact.max(1.0) + 0.5e-9;
+            assert!(
+                (length - exact).abs() <= slack,
+                "{length} instead of {exact}: {start:?} {goal:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn lengths_in_arenas_of_100_boxes_are_exact() {
+    for text in [
+        include_str!("../../../tests/fixtures/gap_n100_s0.json"),
+        include_str!("../../../tests/fixtures/over_n100_s2.json"),
+    ] {
+        let scene = Scene::from_json(text).unwrap();
+        let row = |query: &crate::scene::Query| (query.start, query.goal, query.length.unwrap());
+        assert_exact(&scene, &scene.queries.iter().map(row).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn lengths_on_maps_of_moving_ai_are_exact_also_where_three_corners_lie_on_one_ray() {
+    for (map, rows) in [
+        (
+            include_str!("../../../tests/fixtures/movingai/arena.map"),
+            include_str!("../../../tests/fixtures/movingai/arena.rows"),
+        ),
+        (
+            include_str!("../../../tests/fixtures/movingai/lak103d.map"),
+            include_str!("../../../tests/fixtures/movingai/lak103d.rows"),
+        ),
+    ] {
+        let cells = CellMap::from_movingai(map, 1.0).unwrap();
+        let row = |line: &str| {
+            let fields: Vec<f64> = line.split(' ').map(|field| field.parse().unwrap()).collect();
+            let [sx, sy, gx, gy, length] = fields[..] else { panic!("{line}") };
+            let at = |x: f64, y: f64| Point::new(x, cells.rows as f64 - y);
+            (at(sx, sy), at(gx, gy), length)
+        };
+        assert_exact(&cells.to_scene(0.0), &rows.lines().map(row).collect::<Vec<_>>());
     }
 }
 
