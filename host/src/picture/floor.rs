@@ -67,7 +67,8 @@ impl Floor {
                 Point::new(x.clamp(0.0, width), y.clamp(0.0, height))
             })
         };
-        let outline: Vec<Point> = centres.into_iter().enumerate().flat_map(corner).collect();
+        let mut outline: Vec<Point> = centres.into_iter().enumerate().flat_map(corner).collect();
+        outline.extend(outline.first().copied());
         self.polyline(&outline, class);
     }
 

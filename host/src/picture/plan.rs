@@ -6,7 +6,7 @@ use super::grid::grown;
 use super::svg::{Svg, Swatch};
 use crate::geometry::Point;
 use crate::grid::{LatticePoint, enlarge};
-use crate::plan::{Corners, GridStages, PathTree, Plan, PlanOptions};
+use crate::plan::{Corners, GridStages, PathTree, Plan, PlanOptions, Planner};
 use crate::scene::Scene;
 
 /// Global paths drawn of a tree; more would not be read.
@@ -127,6 +127,8 @@ fn draw_nodes(svg: &mut Svg, tree: &PathTree, layout: &Layout, chosen: Option<us
 /// The path as SVG: the areas of the global path, entry and exit points, which of them were dropped,
 /// and the legs that are left. `options` are those that it was planned with: they say how obstacles grow.
 pub fn path(scene: &Scene, plan: &Plan, options: &PlanOptions) -> String {
+    // An exact way owes nothing to the areas, even if they were cut for other pictures.
+    let stages = plan.grid.as_ref().filter(|_| plan.planner != Planner::Exact);
     let legs = plan.waypoints.len() - 1;
     let subtitle = format!(
         "{legs} leg{}, {:.3} m long, never nearer than {:.1} cm to an obstacle or the border",
@@ -136,19 +138,19 @@ pub fn path(scene: &Scene, plan: &Plan, options: &PlanOptions) -> String {
     );
     let mut floor = Floor::new(scene.arena, "The way from start to goal", &subtitle);
     let mut legend = vec![(Swatch::Fill("obstacle"), "obstacle")];
-    if let Some(stages) = &plan.grid {
+    if let Some(stages) = stages {
         for &area in &stages.global_path.areas {
             floor.rect(metres(stages.closed.rect(area)), "area chosen");
         }
     }
     grown_obstacles(&mut floor, scene, options, &mut legend);
     floor.obstacles(scene);
-    if let Some(stages) = &plan.grid {
+    if let Some(stages) = stages {
         global_path(&mut floor, stages, &mut legend);
     }
     floor.polyline(&plan.waypoints, "path");
     legend.push((Swatch::Line("path"), "path"));
-    if let Some(stages) = &plan.grid {
+    if let Some(stages) = stages {
         points(&mut floor, stages, &mut legend);
     }
     if let (Some(&start), Some(&goal)) = (plan.waypoints.first(), plan.waypoints.last()) {
@@ -205,7 +207,7 @@ fn points(floor: &mut Floor, stages: &GridStages, legend: &mut Vec<(Swatch, &str
 mod tests {
     use super::*;
     use crate::grid::Area;
-    use crate::plan::{Planner, plan};
+    use crate::plan::plan;
 
     fn paper() -> (Scene, Plan) {
         let scene = Scene::from_json(include_str!("../../assets/paper.json")).unwrap();
