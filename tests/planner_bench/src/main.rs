@@ -29,7 +29,7 @@ const REPEATS: usize = 15;
 /// Times everything is measured.
 const ROUNDS: usize = 3;
 
-/// First plans are measured for all queries, or until so much time has passed, seconds.
+/// Seconds after which first plans are no longer repeated; after twice as many no more are measured.
 const FIRST_PLANS: f64 = 2.0;
 
 fn main() {
@@ -142,12 +142,19 @@ fn measure<'a, M: Measured>(scene: &'a Scene, build: impl Fn(&'a Scene) -> M) ->
     let (mut firsts, mut builds) = (Vec::new(), Vec::new());
     let all = Instant::now();
     for &(start, goal, _) in &queries {
-        let begin = Instant::now();
-        let mut built = build(scene);
-        builds.push(micros(begin));
-        std::hint::black_box(built.length(start, goal));
-        firsts.push(micros(begin));
-        if all.elapsed().as_secs_f64() > FIRST_PLANS {
+        let (mut first, mut only) = (Vec::new(), Vec::new());
+        while first.len() < REPEATS
+            && (first.is_empty() || all.elapsed().as_secs_f64() < FIRST_PLANS)
+        {
+            let begin = Instant::now();
+            let mut built = build(scene);
+            only.push(micros(begin));
+            std::hint::black_box(built.length(start, goal));
+            first.push(micros(begin));
+        }
+        builds.push(median(&mut only));
+        firsts.push(median(&mut first));
+        if all.elapsed().as_secs_f64() > 2.0 * FIRST_PLANS {
             break;
         }
     }
