@@ -1,10 +1,11 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
 use super::arena;
+use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
 use super::look::Look;
-use super::paper::{PaperSteps, paper_steps};
+use super::paper::{PaperSteps, paper_obstacles, paper_steps};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, plan_view};
@@ -144,15 +145,14 @@ pub fn detect(
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
     warnings.extend(hard_floor(look.floor.spread[0], look.floor.shadow));
     let top = robot::find(photo, &map, &look, options.robot_radius);
-    let steps = (options.keep_steps || options.method == Method::Paper)
-        .then(|| steps(photo, &map, arena, options.robot_radius));
+    let steps = options.keep_steps.then(|| steps(photo, &map, arena, options.robot_radius));
     let viewpoint = match &options.camera {
         Some(camera) => camera.viewpoint(),
         None => Viewpoint::of(photo, &map),
     };
-    let found = match (&options.method, &steps) {
-        (Method::Paper, Some(steps)) => Found { boxes: paper_rectangles(steps, top), leans: None },
-        _ => robust::find(photo, &map, &look, top, viewpoint),
+    let found = match options.method {
+        Method::Paper => Found { boxes: paper_rectangles(photo, &map, arena, top), leans: None },
+        Method::Robust => robust::find(photo, &map, &look, top, viewpoint),
     };
     let robot = top.map(|top| {
         let seen = top.radius / options.robot_radius;
@@ -228,7 +228,8 @@ fn rough_border(residual: f64) -> Option<String> {
         .then(|| format!("the border fits a rectangle only to {residual:.1} pixels; {advice}"))
 }
 
-fn check(arena: Arena, radius: f64) -> Result<(), VisionError> {
+/// Whether arena and robot are possible.
+pub(crate) fn check(arena: Arena, radius: f64) -> Result<(), VisionError> {
     let Arena { width, height } = arena;
     let possible = |length: f64| (0.1..=100.0).contains(&length);
     if !possible(width) || !possible(height) || width > 10.0 * height || height > 10.0 * width {
@@ -254,26 +255,37 @@ fn given(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Result<PlanMap,
     PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
 }
 
+/// The paper's plan view is no finer than the photo.
+fn paper_frame(map: &PlanMap, arena: Arena) -> PlanFrame {
+    let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+    let most = PAPER_SCALE.min(PAPER_CELLS / arena.width.max(arena.height));
+    PlanFrame { arena, scale: most.min(map.scale_at(middle)), margin: 0.0 }
+}
+
 fn steps(photo: &Photo, map: &PlanMap, arena: Arena, radius: f64) -> Steps {
-    let scale = PAPER_SCALE.min(PAPER_CELLS / arena.width.max(arena.height));
-    let frame = PlanFrame { arena, scale, margin: 0.0 };
+    let frame = paper_frame(map, arena);
     let view = plan_view(photo, map, &frame);
-    let paper = paper_steps(&view, scale, radius);
+    let paper = paper_steps(brightness_view(photo, map, &frame), frame.scale, radius);
     Steps { frame, view, paper }
 }
 
 /// Obstacles by the paper's mask, to a cell.
-fn paper_rectangles(steps: &Steps, robot: Option<RobotTop>) -> Vec<Bounded> {
-    let mask = without(&steps.paper.obstacles.cells, &steps.frame, robot);
-    let least = (LEAST_SIDE * steps.frame.scale).max(2.5);
+fn paper_rectangles(
+    photo: &Photo,
+    map: &PlanMap,
+    arena: Arena,
+    robot: Option<RobotTop>,
+) -> Vec<Bounded> {
+    let frame = paper_frame(map, arena);
+    let obstacles = paper_obstacles(&brightness_view(photo, map, &frame));
+    let mask = without(&obstacles, &frame, robot);
+    let least = (LEAST_SIDE * frame.scale).max(2.5);
     let found = rectangles(&mask, least * least);
     let thick = found
         .into_iter()
         .filter(|cells| (cells.x1 - cells.x0).min(cells.y1 - cells.y0) as f64 >= least);
-    let cell = 1.0 / steps.frame.scale;
-    thick
-        .map(|cells| Bounded { rect: metres(&steps.frame, cells), margin: [2.0 * cell; 4] })
-        .collect()
+    let cell = 1.0 / frame.scale;
+    thick.map(|cells| Bounded { rect: metres(&frame, cells), margin: [2.0 * cell; 4] }).collect()
 }
 
 /// The mask without the robot and without the cells that are blurred with the border.

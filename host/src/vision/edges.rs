@@ -20,16 +20,21 @@ pub fn edge_magnitude(brightness: &Raster<u8>) -> Raster<u16> {
     if width < 3 || height < 3 {
         return magnitude;
     }
+    let inner = width - 2;
     for y in 1..height - 1 {
-        let rows = [brightness.row(y - 1), brightness.row(y), brightness.row(y + 1)];
+        // Slices of one length let the compiler work on many cells at once.
+        let [above, here, below] = [y - 1, y, y + 1].map(|y| {
+            let row = brightness.row(y);
+            [&row[..inner], &row[1..=inner], &row[2..]]
+        });
         let out = &mut magnitude.cells_mut()[y * width + 1..(y + 1) * width - 1];
-        for (((out, above), here), below) in
-            out.iter_mut().zip(rows[0].windows(3)).zip(rows[1].windows(3)).zip(rows[2].windows(3))
-        {
-            let [a, b, c] = [above, here, below].map(|row| [row[0], row[1], row[2]].map(i16::from));
-            let along_x = (a[2] + 2 * b[2] + c[2]) - (a[0] + 2 * b[0] + c[0]);
-            let along_y = (c[0] + 2 * c[1] + c[2]) - (a[0] + 2 * a[1] + a[2]);
-            *out = along_x.unsigned_abs() + along_y.unsigned_abs();
+        for x in 0..inner {
+            let at = |row: [&[u8]; 3], column: usize| i16::from(row[column][x]);
+            let right = at(above, 2) + 2 * at(here, 2) + at(below, 2);
+            let left = at(above, 0) + 2 * at(here, 0) + at(below, 0);
+            let lower = at(below, 0) + 2 * at(below, 1) + at(below, 2);
+            let upper = at(above, 0) + 2 * at(above, 1) + at(above, 2);
+            out[x] = (right - left).unsigned_abs() + (lower - upper).unsigned_abs();
         }
     }
     magnitude
@@ -49,14 +54,16 @@ pub fn average_filter(values: &Raster<u16>) -> Raster<u16> {
         return mean;
     }
     let mut columns = vec![0u32; width];
+    let inner = width - 2;
     for y in 1..height - 1 {
-        let rows = [values.row(y - 1), values.row(y), values.row(y + 1)];
-        for (((sum, a), b), c) in columns.iter_mut().zip(rows[0]).zip(rows[1]).zip(rows[2]) {
-            *sum = u32::from(*a) + u32::from(*b) + u32::from(*c);
+        let [a, b, c] = [y - 1, y, y + 1].map(|y| &values.row(y)[..width]);
+        for (x, sum) in columns.iter_mut().enumerate() {
+            *sum = u32::from(a[x]) + u32::from(b[x]) + u32::from(c[x]);
         }
+        let [left, middle, right] = [&columns[..inner], &columns[1..=inner], &columns[2..]];
         let out = &mut mean.cells_mut()[y * width + 1..(y + 1) * width - 1];
-        for (out, sums) in out.iter_mut().zip(columns.windows(3)) {
-            *out = ((sums[0] + sums[1] + sums[2]) / 9) as u16;
+        for x in 0..inner {
+            out[x] = ((left[x] + middle[x] + right[x]) / 9) as u16;
         }
     }
     mean

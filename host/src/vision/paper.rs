@@ -12,6 +12,7 @@ use super::edges::{average_filter, edge_magnitude, histogram_mean, invert, thres
 use super::mask::{ObstacleMask, enlarge, obstacle_borders};
 use super::photo::srgb_code;
 use super::raster::Raster;
+use super::runs::{Run, runs};
 
 /// The share of the bright level above which a region is floor.
 const NEAR_WHITE: f64 = 0.8;
@@ -41,9 +42,17 @@ pub struct PaperSteps {
     pub borders: Raster<bool>,
 }
 
-/// Runs the paper's steps on a plan view of `scale` cells a metre for a robot `radius` in metres.
-pub fn paper_steps(view: &Raster<[f32; 3]>, scale: f64, radius: f64) -> PaperSteps {
-    let brightness = brightness(view);
+/// Runs the paper's steps on the brightness of a plan view of `scale` cells a metre for a robot `radius`
+/// in metres.
+///
+/// ```
+/// use host::vision::{Raster, paper_steps};
+/// let view = Raster::from_fn(40, 30, |x, y| if (15..25).contains(&x) && (10..20).contains(&y) { 30 } else { 230 });
+/// let steps = paper_steps(view, 100.0, 0.02);
+/// assert_eq!(steps.obstacles.cells.cells().iter().filter(|&&obstacle| obstacle).count(), 100);
+/// assert_eq!(steps.enlarged.cells.get(13, 15), Some(true));
+/// ```
+pub fn paper_steps(brightness: Raster<u8>, scale: f64, radius: f64) -> PaperSteps {
     let magnitude = edge_magnitude(&brightness);
     let averaged = average_filter(&magnitude);
     let mean = histogram_mean(&averaged);
@@ -66,8 +75,28 @@ pub fn paper_steps(view: &Raster<[f32; 3]>, scale: f64, radius: f64) -> PaperSte
 }
 
 /// The brightness of linear light as sRGB codes (ITU-R BT.709 weights).
+///
+/// ```
+/// use host::vision::{Raster, brightness};
+/// assert_eq!(brightness(&Raster::filled(1, 1, [1.0, 1.0, 1.0])).cells(), [255]);
+/// ```
 pub fn brightness(view: &Raster<[f32; 3]>) -> Raster<u8> {
     view.map(|[r, g, b]| srgb_code(0.2126 * r + 0.7152 * g + 0.0722 * b))
+}
+
+/// The obstacles in the brightness of a plan view: all the paper's steps up to the mask, keeping none.
+///
+/// ```
+/// use host::vision::{Raster, paper_obstacles};
+/// let view = Raster::from_fn(40, 30, |x, y| if (15..25).contains(&x) && (10..20).contains(&y) { 30 } else { 230 });
+/// let obstacles = paper_obstacles(&view);
+/// assert_eq!((obstacles.get(15, 10), obstacles.get(14, 10)), (Some(true), Some(false)));
+/// ```
+pub fn paper_obstacles(brightness: &Raster<u8>) -> Raster<bool> {
+    let averaged = average_filter(&edge_magnitude(brightness));
+    let edges = threshold(&averaged, histogram_mean(&averaged));
+    drop(averaged);
+    detect_obstacles(brightness, &invert(&edges))
 }
 
 /// Which cells are obstacle: the regions between edges (`areas`) that are not near white, and the
@@ -82,22 +111,22 @@ pub fn brightness(view: &Raster<[f32; 3]>) -> Raster<u8> {
 /// ```
 pub fn detect_obstacles(brightness: &Raster<u8>, areas: &Raster<bool>) -> Raster<bool> {
     let near_white = (NEAR_WHITE * f64::from(bright_level(brightness))) as u64;
-    let (regions, count) = areas.regions(true);
+    let (areas, count) = runs(areas, true);
+    let of_run = |run: &Run| &brightness.row(run.row)[run.start..run.end];
     let mut sums = vec![(0u64, 0u64); count + 1];
-    for (&region, &code) in regions.cells().iter().zip(brightness.cells()) {
-        if let Some((sum, cells)) = sums.get_mut(region as usize) {
-            *sum += u64::from(code);
-            *cells += 1;
-        }
+    for run in &areas {
+        let (sum, cells) = &mut sums[run.region as usize];
+        *sum += of_run(run).iter().map(|&code| u64::from(code)).sum::<u64>();
+        *cells += (run.end - run.start) as u64;
     }
-    let dark: Vec<bool> = sums.iter().map(|&(sum, cells)| sum < near_white * cells).collect();
-    Raster::from_fn(brightness.width(), brightness.height(), |x, y| {
-        let index = y * brightness.width() + x;
-        match regions.cells()[index] as usize {
-            0 => u64::from(brightness.cells()[index]) < near_white,
-            region => dark[region],
-        }
-    })
+    let mut obstacles = brightness.map(|code| u64::from(code) < near_white);
+    let width = obstacles.width();
+    for run in areas {
+        let (sum, cells) = sums[run.region as usize];
+        let row = run.row * width;
+        obstacles.cells_mut()[row + run.start..row + run.end].fill(sum < near_white * cells);
+    }
+    obstacles
 }
 
 /// The brightness that 95 of 100 cells stay below.
@@ -124,7 +153,7 @@ mod tests {
         let view = Raster::from_fn(60, 50, |x, y| {
             if (20..35).contains(&x) && (10..30).contains(&y) { [0.05; 3] } else { [0.9; 3] }
         });
-        let steps = paper_steps(&view, 100.0, 0.03);
+        let steps = paper_steps(brightness(&view), 100.0, 0.03);
         for y in 0..50 {
             for x in 0..60 {
                 let inside = (20..35).contains(&x) && (10..30).contains(&y);

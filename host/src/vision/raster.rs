@@ -2,6 +2,8 @@
 //!
 //! Columns run to the right and rows down, as in the photo; the centre of the top-left cell is (0, 0).
 
+use super::runs::runs;
+
 /// A rectangular grid of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster<T> {
@@ -94,32 +96,12 @@ impl Raster<bool> {
     /// ```
     pub fn regions(&self, wanted: bool) -> (Raster<u32>, usize) {
         let mut regions = Raster::filled(self.width, self.height, 0u32);
-        let mut count = 0;
-        let mut open = Vec::new();
-        for start in 0..self.cells.len() {
-            if self.cells[start] != wanted || regions.cells[start] != 0 {
-                continue;
-            }
-            count += 1;
-            regions.cells[start] = count;
-            open.push(start);
-            while let Some(cell) = open.pop() {
-                let x = cell % self.width;
-                let neighbours = [
-                    (x > 0).then(|| cell - 1),
-                    (x + 1 < self.width).then_some(cell + 1),
-                    cell.checked_sub(self.width),
-                    (cell + self.width < self.cells.len()).then_some(cell + self.width),
-                ];
-                for next in neighbours.into_iter().flatten() {
-                    if self.cells[next] == wanted && regions.cells[next] == 0 {
-                        regions.cells[next] = count;
-                        open.push(next);
-                    }
-                }
-            }
+        let (runs, count) = runs(self, wanted);
+        for run in runs {
+            let row = run.row * self.width;
+            regions.cells[row + run.start..row + run.end].fill(run.region);
         }
-        (regions, count as usize)
+        (regions, count)
     }
 }
 
