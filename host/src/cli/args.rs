@@ -64,6 +64,9 @@ pub(crate) struct DemoArgs {
 pub(crate) struct DetectArgs {
     /// An overhead picture of the arena, PNG or JPEG.
     pub(crate) photo: PathBuf,
+    /// A second picture, by another camera: heights are then measured (needs --camera).
+    #[arg(requires = "camera", conflicts_with_all = ["corners", "method"])]
+    pub(crate) photo_b: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) vision: VisionArgs,
     /// Radius of the disc that covers the robot.
@@ -86,7 +89,8 @@ pub(crate) struct VisionArgs {
     /// shortest way). May be given twice.
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Vec<CornersWord>,
-    /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main".
+    /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main", or for two pictures
+    /// under "a" and "b".
     #[arg(long, value_name = "FILE")]
     pub(crate) camera: Option<PathBuf>,
     /// How obstacles are found.

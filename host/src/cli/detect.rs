@@ -1,11 +1,13 @@
 //! `wmr detect`: arena, obstacles and robot in a photo.
 
 use super::args::DetectArgs;
+use super::detect_pair;
 use super::error::{CliError, Exit};
 use super::folder::Folder;
 use super::input::{self, SeenPhoto, Sight};
 use super::output::Output;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::time::Duration;
 
 /// `wmr detect`.
@@ -14,11 +16,10 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
         let help = "give four pixels \"x,y x,y x,y x,y\", or use wmr plan";
         return Err(CliError::usage("obstacles grow only when a way is planned", help));
     }
-    let bytes = input::read_bytes(&args.photo)?;
-    if bytes.is_empty() {
-        let message = format!("{} is empty", args.photo.display());
-        return Err(CliError::new(Exit::File, "file.empty", message, "give a photo, PNG or JPEG"));
+    if let Some(second) = &args.photo_b {
+        return detect_pair::run(args, second, output);
     }
+    let bytes = read_photo(&args.photo)?;
     let seen = input::see(
         bytes,
         &args.vision,
@@ -31,7 +32,17 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
     Ok(())
 }
 
-fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
+/// The bytes of a photo; an empty file is none.
+pub(super) fn read_photo(path: &Path) -> Result<Vec<u8>, CliError> {
+    let bytes = input::read_bytes(path)?;
+    if bytes.is_empty() {
+        let message = format!("{} is empty", path.display());
+        return Err(CliError::new(Exit::File, "file.empty", message, "give a photo, PNG or JPEG"));
+    }
+    Ok(bytes)
+}
+
+pub(super) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
     let detection = &seen.detection;
     let mut document = json!(seen.scene(Some(radius)));
     if let Some(fields) = document.as_object_mut() {

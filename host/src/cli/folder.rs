@@ -7,6 +7,7 @@ use super::way::PlannedWay;
 use host::legs::{from_wire, planned_poses};
 use host::picture;
 use host::picture::motion::{TimedPose, motion_svg};
+use host::picture::vision::NamedPicture;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -35,9 +36,18 @@ impl Folder {
     /// Writes down a photo and the steps of seeing it.
     pub(crate) fn vision(&self, seen: &SeenPhoto, radius: f64) -> Result<(), CliError> {
         self.write("photo", &seen.bytes)?;
-        seen.pictures(radius)
-            .iter()
-            .try_for_each(|picture| self.write(picture.name, &picture.bytes))
+        self.pictures(&seen.pictures(radius))
+    }
+
+    /// Writes down two photos of one arena.
+    pub(crate) fn pair(&self, first: &[u8], second: &[u8]) -> Result<(), CliError> {
+        self.write("photo_a", first)?;
+        self.write("photo_b", second)
+    }
+
+    /// Writes down pictures of steps.
+    pub(crate) fn pictures(&self, pictures: &[NamedPicture]) -> Result<(), CliError> {
+        pictures.iter().try_for_each(|picture| self.write(picture.name, &picture.bytes))
     }
 
     /// Writes down a way and the steps of finding it.

@@ -137,17 +137,22 @@ fn read_json(path: &Path, bytes: &[u8]) -> Result<Input, CliError> {
     }
 }
 
+/// The arena's size that a photo needs.
+pub(crate) fn arena_of(args: &VisionArgs) -> Result<Arena, CliError> {
+    args.arena.ok_or_else(|| {
+        CliError::usage(
+            "a photo does not tell how large the arena is",
+            "add --arena WxH, its inner size in metres, such as --arena 1.6x2.0",
+        )
+    })
+}
+
 /// Decodes a photo and finds what is in it.
 pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<SeenPhoto, CliError> {
     let started = Instant::now();
     let photo = vision::decode(&bytes)?;
     let decode_time = started.elapsed();
-    let arena = args.arena.ok_or_else(|| {
-        CliError::usage(
-            "a photo does not tell how large the arena is",
-            "add --arena WxH, its inner size in metres, such as --arena 1.6x2.0",
-        )
-    })?;
+    let arena = arena_of(args)?;
     let options = DetectOptions {
         method: match args.method {
             MethodName::Robust => Method::Robust,
@@ -170,14 +175,33 @@ struct CameraFile {
     main: Camera,
 }
 
+/// A camera file for two pictures.
+#[derive(serde::Deserialize)]
+struct CameraPairFile {
+    a: Camera,
+    b: Camera,
+}
+
 fn read_camera(path: &Path) -> Result<Camera, CliError> {
+    read_camera_file(path, "{\"main\": {model, image_size, K, k1, R, t}}")
+        .map(|file: CameraFile| file.main)
+}
+
+/// The cameras of two pictures.
+pub(crate) fn read_camera_pair(path: &Path) -> Result<[Camera; 2], CliError> {
+    read_camera_file(path, "{\"a\": {model, image_size, K, k1, R, t}, \"b\": {…}}")
+        .map(|CameraPairFile { a, b }| [a, b])
+}
+
+fn read_camera_file<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    shape: &str,
+) -> Result<T, CliError> {
     let bytes = read_bytes(path)?;
-    let file: CameraFile = serde_json::from_slice(&bytes).map_err(|error| {
+    serde_json::from_slice(&bytes).map_err(|error| {
         let message = format!("{}: {error}", path.display());
-        let help = "a camera file is {\"main\": {model, image_size, K, k1, R, t}}";
-        CliError::new(Exit::File, "camera", message, help)
-    })?;
-    Ok(file.main)
+        CliError::new(Exit::File, "camera", message, format!("a camera file is {shape}"))
+    })
 }
 
 impl SeenPhoto {

@@ -8,6 +8,7 @@ mod args;
 mod calibrate;
 mod demo;
 mod detect;
+mod detect_pair;
 mod drive;
 mod endpoint;
 mod error;

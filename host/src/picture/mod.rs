@@ -5,5 +5,6 @@ pub mod grid;
 pub mod motion;
 pub mod overhead;
 pub mod plan;
+pub mod stereo;
 pub mod svg;
 pub mod vision;

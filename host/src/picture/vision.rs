@@ -59,9 +59,12 @@ pub fn vision_pictures(detection: &Detection, robot_radius: f64) -> Vec<NamedPic
 
 /// The plan view as a colour PNG.
 pub fn plan_view_picture(steps: &Steps) -> Vec<u8> {
-    let codes: Vec<u8> =
-        steps.view.cells().iter().flat_map(|light| light.map(crate::vision::srgb_code)).collect();
-    png(&codes, &steps.view, ExtendedColorType::Rgb8)
+    colour_picture(&steps.view.map(|light| light.map(crate::vision::srgb_code)))
+}
+
+/// A raster of sRGB codes as a colour PNG.
+pub fn colour_picture(codes: &Raster<[u8; 3]>) -> Vec<u8> {
+    png(codes.cells().as_flattened(), codes, ExtendedColorType::Rgb8)
 }
 
 /// A raster of brightness codes as a grey PNG.
@@ -72,8 +75,7 @@ pub fn grey_picture(codes: &Raster<u8>) -> Vec<u8> {
 /// The obstacles with their margins and the robot, drawn over the plan view, as SVG.
 pub fn obstacles_picture(detection: &Detection, steps: &Steps, robot_radius: f64) -> String {
     let arena = steps.frame.arena;
-    let mut svg = opened(arena);
-    image(&mut svg, arena, &plan_view_picture(steps));
+    let mut svg = opened(arena, &plan_view_picture(steps));
     for (&obstacle, &[left, lower, right, upper]) in
         detection.obstacles.iter().zip(&detection.margins)
     {
@@ -94,7 +96,7 @@ pub fn obstacles_picture(detection: &Detection, steps: &Steps, robot_radius: f64
         );
     }
     if let Some(pose) = detection.robot {
-        robot(&mut svg, arena, pose, robot_radius);
+        robot(&mut svg, |point| drawn(arena, point), pose, robot_radius * DRAWN_SCALE);
     }
     svg + "</svg>\n"
 }
@@ -102,8 +104,7 @@ pub fn obstacles_picture(detection: &Detection, steps: &Steps, robot_radius: f64
 /// The borders of the enlarged obstacles over the plan view, in the paper's pink, as SVG.
 pub fn borders_picture(steps: &Steps) -> String {
     let arena = steps.frame.arena;
-    let mut svg = opened(arena);
-    image(&mut svg, arena, &plan_view_picture(steps));
+    let mut svg = opened(arena, &plan_view_picture(steps));
     let borders = &steps.paper.borders;
     let cell = DRAWN_SCALE / steps.frame.scale;
     let _ = write!(svg, "<path fill=\"{BORDER}\" d=\"");
@@ -136,42 +137,55 @@ fn png<T: Copy>(codes: &[u8], of: &Raster<T>, kind: ExtendedColorType) -> Vec<u8
     if written.is_ok() { bytes } else { Vec::new() }
 }
 
-fn opened(arena: Arena) -> String {
-    let (width, height) = (arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE);
+fn opened(arena: Arena, png: &[u8]) -> String {
+    embedded((arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE), png)
+}
+
+/// The beginning of an SVG picture of a size in pixels that a PNG fills.
+pub(super) fn embedded((width, height): (f64, f64), png: &[u8]) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.0}\" height=\"{height:.0}\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.0}\" height=\"{height:.0}\">\n\
+        <image width=\"{width:.1}\" height=\"{height:.1}\" href=\"data:image/png;base64,{}\"/>\n",
+        base64(png)
     )
 }
 
-fn image(svg: &mut String, arena: Arena, png: &[u8]) {
-    let (width, height) = (arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE);
-    let _ = writeln!(
+fn rect(svg: &mut String, arena: Arena, rect: Rect, style: &str) {
+    let place = drawn(arena, Point::new(rect.x0, rect.y1));
+    shape(
         svg,
-        "<image width=\"{width:.1}\" height=\"{height:.1}\" href=\"data:image/png;base64,{}\"/>",
-        base64(png)
+        place,
+        ((rect.x1 - rect.x0) * DRAWN_SCALE, (rect.y1 - rect.y0) * DRAWN_SCALE),
+        style,
     );
 }
 
-fn rect(svg: &mut String, arena: Arena, rect: Rect, style: &str) {
-    let (x, y) = drawn(arena, Point::new(rect.x0, rect.y1));
-    let (width, height) = ((rect.x1 - rect.x0) * DRAWN_SCALE, (rect.y1 - rect.y0) * DRAWN_SCALE);
+/// A rectangle by its upper left corner and size, pixels.
+pub(super) fn shape(
+    svg: &mut String,
+    (x, y): (f64, f64),
+    (width, height): (f64, f64),
+    style: &str,
+) {
     let _ = writeln!(
         svg,
         "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>"
     );
 }
 
-fn robot(svg: &mut String, arena: Arena, pose: Pose, radius: f64) {
-    let (x, y) = drawn(arena, pose.position);
-    let Point { x: px, y: py } = pose.position;
-    let (tip_x, tip_y) = drawn(
-        arena,
-        Point::new(px + 1.8 * radius * pose.heading.cos(), py + 1.8 * radius * pose.heading.sin()),
-    );
-    let size = radius * DRAWN_SCALE;
+/// The robot's disc of a radius in pixels and its heading, on a picture on which `drawn` places points.
+pub(super) fn robot(
+    svg: &mut String,
+    drawn: impl Fn(Point) -> (f64, f64),
+    pose: Pose,
+    radius: f64,
+) {
+    let (x, y) = drawn(pose.position);
+    let (sin, cos) = pose.heading.sin_cos();
+    let (tip_x, tip_y) = (x + 1.8 * radius * cos, y - 1.8 * radius * sin);
     let _ = writeln!(
         svg,
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size:.1}\" fill=\"{ROBOT}\" fill-opacity=\"0.45\" stroke=\"{ROBOT}\" stroke-width=\"3\"/>"
+        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" fill=\"{ROBOT}\" fill-opacity=\"0.45\" stroke=\"{ROBOT}\" stroke-width=\"3\"/>"
     );
     let _ = writeln!(
         svg,

@@ -91,4 +91,12 @@ pub enum VisionError {
         /// Where the corner would be.
         pixel: [f64; 2],
     },
+    /// Two pictures from which no heights can be told.
+    #[error(
+        "the two photos show no heights ({reason}); give two photos of one arena by two cameras apart, and their camera file"
+    )]
+    Pair {
+        /// What is wrong.
+        reason: String,
+    },
 }

@@ -41,6 +41,7 @@ mod robot;
 mod robust;
 mod runs;
 mod sharpen;
+mod stereo;
 mod viewpoint;
 
 pub use brightness_view::brightness_view;
@@ -55,3 +56,4 @@ pub use plan_map::{PlanMap, homography};
 pub use plan_view::{PlanFrame, plan_view};
 pub use raster::Raster;
 pub use rectangles::{CellRect, rectangles};
+pub use stereo::{PairDetection, PairSteps, RaisedBox, detect_pair};

@@ -317,7 +317,7 @@ fn explained(places: &[(f64, f64, Feature)], heading: f64) -> f64 {
 }
 
 /// The same direction in (-π, π].
-fn wrapped(angle: f64) -> f64 {
+pub(crate) fn wrapped(angle: f64) -> f64 {
     let turned = angle.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }
 }
