@@ -11,6 +11,7 @@ pub mod elf_file;
 pub mod elf_resets;
 pub mod figures;
 pub mod fuzzing;
+pub mod fuzzing_vision;
 pub mod link;
 pub mod lockstep;
 pub mod model;
