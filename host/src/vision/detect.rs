@@ -4,6 +4,7 @@ use super::arena;
 use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
+use super::faults::check_picture;
 use super::look::Look;
 use super::paper::{PaperSteps, paper_obstacles, paper_steps};
 use super::photo::Photo;
@@ -31,6 +32,8 @@ const LEANING_ROBOT: f64 = 1.03;
 const USUAL_ROBOT_HEIGHT: f64 = 0.07;
 /// Obstacles are at least this large, metres.
 const LEAST_SIDE: f64 = 0.02;
+/// Nothing is thinner, metres.
+const LEAST_WIDTH: f64 = 0.002;
 /// Cells this close to the border, in cells, are blurred with it.
 const BORDER_BLUR: f64 = 1.5;
 /// How much larger than the robot's top the disc is that is taken out of the mask.
@@ -140,6 +143,7 @@ pub fn detect(
     options: &DetectOptions,
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
+    check_picture(photo)?;
     let mut warnings = Vec::new();
     let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
@@ -164,15 +168,28 @@ pub fn detect(
             heading: top.heading,
         }
     });
+    let boxes: Vec<Bounded> =
+        found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
     Ok(Detection {
-        obstacles: found.boxes.iter().map(|bounded| bounded.rect).collect(),
-        margins: found.boxes.iter().map(|bounded| bounded.margin).collect(),
+        obstacles: boxes.iter().map(|bounded| bounded.rect).collect(),
+        margins: boxes.iter().map(|bounded| bounded.margin).collect(),
         corners_px: map.seen_corners(arena),
         robot,
         confidence,
         warnings,
         steps: steps.filter(|_| options.keep_steps),
     })
+}
+
+/// The same rectangle with its edges in order: edges of a sliver may be measured past each other, and
+/// what was seen stays an obstacle.
+pub(crate) fn upright(Rect { x0, y0, x1, y1 }: Rect) -> Rect {
+    let ordered = |a: f64, b: f64| {
+        let grown = if (b - a).abs() < LEAST_WIDTH { LEAST_WIDTH / 2.0 } else { 0.0 };
+        (a.min(b) - grown, a.max(b) + grown)
+    };
+    let ((x0, x1), (y0, y1)) = (ordered(x0, x1), ordered(y0, y1));
+    Rect::new(x0, y0, x1, y1)
 }
 
 /// The map from floor to photo, by camera, by corners or by the border, and how sure it is.
@@ -312,6 +329,13 @@ fn metres(frame: &PlanFrame, cells: CellRect) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn edges_that_passed_each_other_are_put_in_order() {
+        let Rect { x0, y0, x1, y1 } = upright(Rect::new(1.2, 0.5, 1.1, 0.5));
+        assert_eq!((x0, x1), (1.1, 1.2));
+        assert!((y0 - 0.499).abs() < 1e-12 && (y1 - 0.501).abs() < 1e-12);
+    }
 
     #[test]
     fn impossible_requests_are_refused() {

@@ -63,6 +63,26 @@ pub enum VisionError {
         /// The least.
         needed: u8,
     },
+    /// Too much light.
+    #[error(
+        "the photo is overexposed: {:.0} % of it is burnt out, at most {:.0} % may be; expose shorter or dim the lamp", 100.0 * .measured, 100.0 * .allowed
+    )]
+    Overexposed {
+        /// The share of pixels with all channels at their end.
+        measured: f64,
+        /// The greatest share.
+        allowed: f64,
+    },
+    /// Edges are ramps.
+    #[error(
+        "the photo is blurred: its edges rise by {:.0} % of their height within 2 pixels, at least {:.0} % is needed; focus the camera and hold it still", 100.0 * .measured, 100.0 * .needed
+    )]
+    Blurred {
+        /// The height of the strongest steps across 2 pixels over that across 8.
+        measured: f64,
+        /// The least ratio.
+        needed: f64,
+    },
     /// Dark and bright hardly differ.
     #[error(
         "the photo has no contrast: its strongest edges step by {measured:.1} of 255, at least {needed:.1} is needed; mark the border with dark tape, use better light"

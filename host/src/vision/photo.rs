@@ -227,6 +227,55 @@ mod tests {
         assert!(decode(&bytes).is_err());
     }
 
+    /// A JPEG of a picture that is bright above and dark below, with an EXIF orientation.
+    fn oriented(orientation: u8) -> Vec<u8> {
+        let picture =
+            image::GrayImage::from_fn(128, 80, |_, y| image::Luma([if y < 40 { 220 } else { 30 }]));
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, image::ImageFormat::Jpeg).unwrap();
+        let bytes = bytes.into_inner();
+        // An APP1 segment with one entry, 0x0112: a short, the orientation.
+        let mut exif =
+            b"\xff\xe1\0\x22Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
+        exif.extend([orientation, 0, 0, 0, 0, 0, 0]);
+        [&bytes[..2], &exif, &bytes[2..]].concat()
+    }
+
+    #[test]
+    fn photos_are_turned_upright_as_exif_says() {
+        let bright = |photo: &Photo, x: f64, y: f64| photo.light([x, y])[0] > 0.4;
+        let plain = decode(&oriented(1)).unwrap();
+        assert!((plain.width(), plain.height()) == (128, 80) && bright(&plain, 60.0, 5.0));
+        let upside_down = decode(&oriented(3)).unwrap();
+        assert!(bright(&upside_down, 60.0, 75.0) && !bright(&upside_down, 60.0, 5.0));
+        // 6: turn by 90° clockwise; what was above is at the right.
+        let turned = decode(&oriented(6)).unwrap();
+        assert_eq!((turned.width(), turned.height()), (80, 128));
+        assert!(bright(&turned, 75.0, 60.0) && !bright(&turned, 5.0, 60.0));
+    }
+
+    #[test]
+    fn more_than_forty_megapixels_are_refused_by_the_header_alone() {
+        let mut bytes = png(64, 64);
+        // 8000 × 5001 in the header; its checksum is made to fit.
+        bytes[16..24].copy_from_slice(&[0, 0, 0x1f, 0x40, 0, 0, 0x13, 0x89]);
+        let checksum = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
+        assert_eq!(
+            decode(&bytes),
+            Err(VisionError::TooLarge { width: 8000, height: 5001, limit: MAX_PIXELS })
+        );
+    }
+
+    /// The checksum of PNG's chunks (ISO 3309).
+    fn crc32(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |sum, &byte| {
+            (0..8).fold(sum ^ u32::from(byte), |sum, _| {
+                (sum >> 1) ^ (0xedb8_8320 & (sum & 1).wrapping_neg())
+            })
+        })
+    }
+
     #[test]
     fn the_small_picture_holds_means() {
         let photo =

@@ -23,8 +23,9 @@ mod search;
 mod tests;
 
 use super::camera::Camera;
-use super::detect::{DetectOptions, Detection, check};
+use super::detect::{DetectOptions, Detection, check, upright};
 use super::error::VisionError;
+use super::faults::check_picture;
 use super::look::Look;
 use super::photo::Photo;
 use super::plan_view::{PlanFrame, plan_view};
@@ -82,6 +83,7 @@ pub fn detect_pair(
     options: &DetectOptions,
 ) -> Result<PairDetection, VisionError> {
     check(arena, options.robot_radius)?;
+    photos.into_iter().try_for_each(check_picture)?;
     let [a, b] = [0, 1].map(|eye| sight(photos[eye], cameras[eye], arena, options));
     let sights = [a?, b?];
     check_views(&sights)?;
@@ -100,7 +102,7 @@ pub fn detect_pair(
     Ok(PairDetection {
         heights: refined.iter().map(|seen| seen.raised.height).collect(),
         detection: Detection {
-            obstacles: refined.iter().map(|seen| seen.raised.base).collect(),
+            obstacles: refined.iter().map(|seen| upright(seen.raised.base)).collect(),
             margins: refined.iter().map(|seen| seen.margin).collect(),
             corners_px: sights[0].map.seen_corners(arena),
             robot: robot_pose(&sights, options),
