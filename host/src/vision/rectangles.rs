@@ -128,22 +128,42 @@ fn best_of_blocks(sums: &Sums, width: usize, height: usize, block: usize) -> Opt
         (0..=length.div_ceil(block)).map(|i| (i * block).min(length)).collect::<Vec<_>>()
     };
     let (columns, rows) = (edges(width), edges(height));
+    let blocks: Vec<Vec<i32>> = rows
+        .windows(2)
+        .map(|y| {
+            let block = |x: &[usize]| CellRect { x0: x[0], y0: y[0], x1: x[1], y1: y[1] };
+            columns.windows(2).map(|x| sums.of_rect(block(x))).collect()
+        })
+        .collect();
     let mut best: Option<(i32, CellRect)> = None;
-    for (top, &y0) in rows.iter().enumerate() {
-        for &y1 in &rows[top + 1..] {
-            let (mut sum, mut x0) = (0, 0);
-            for pair in columns.windows(2) {
-                if sum <= 0 {
-                    (sum, x0) = (0, pair[0]);
-                }
-                sum += sums.of_rect(CellRect { x0: pair[0], y0, x1: pair[1], y1 });
-                if best.is_none_or(|(most, _)| sum > most) {
-                    best = Some((sum, CellRect { x0, y0, x1: pair[1], y1 }));
-                }
+    let mut strip = vec![0; columns.len() - 1];
+    for top in 0..blocks.len() {
+        strip.fill(0);
+        for (bottom, row) in blocks.iter().enumerate().skip(top) {
+            strip.iter_mut().zip(row).for_each(|(sum, block)| *sum += block);
+            let (sum, first, end) = best_run(&strip);
+            if best.is_none_or(|(most, _)| sum > most) {
+                let (x0, x1) = (columns[first], columns[end]);
+                best = Some((sum, CellRect { x0, y0: rows[top], x1, y1: rows[bottom + 1] }));
             }
         }
     }
     best.map(|(_, rect)| rect)
+}
+
+/// The run with the greatest sum (Kadane): the sum, its first value and the first after it.
+fn best_run(values: &[i32]) -> (i32, usize, usize) {
+    let (mut best, mut sum, mut first) = ((i32::MIN, 0, 0), 0, 0);
+    for (index, &value) in values.iter().enumerate() {
+        if sum <= 0 {
+            (sum, first) = (0, index);
+        }
+        sum += value;
+        if sum > best.0 {
+            best = (sum, first, index + 1);
+        }
+    }
+    best
 }
 
 /// Moves the edges cell by cell as long as the sum grows.
