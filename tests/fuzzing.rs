@@ -4,6 +4,7 @@
 use fastrand::Rng;
 use std::fs;
 use tests::fuzzing::{decoder, whole_stack};
+use tests::fuzzing_vision::vision;
 
 fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = format!("{}/../fuzz/corpus/{target}", env!("CARGO_MANIFEST_DIR"));
@@ -29,6 +30,17 @@ fn the_whole_stack_keeps_its_promises() {
         let mut random = Rng::with_seed(seed);
         let bytes: Vec<u8> = (0..random.usize(0..120)).map(|_| random.u8(..)).collect();
         let result = std::panic::catch_unwind(|| whole_stack(&bytes));
+        assert!(result.is_ok(), "seed {seed}: {bytes:?}");
+    }
+}
+
+#[test]
+fn vision_keeps_its_promises() {
+    corpus("vision").iter().for_each(|bytes| vision(bytes));
+    for seed in 0..40 {
+        let mut random = Rng::with_seed(seed);
+        let bytes: Vec<u8> = (0..random.usize(0..120)).map(|_| random.u8(..)).collect();
+        let result = std::panic::catch_unwind(|| vision(&bytes));
         assert!(result.is_ok(), "seed {seed}: {bytes:?}");
     }
 }

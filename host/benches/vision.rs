@@ -81,7 +81,7 @@ fn line(text: &str) -> Option<String> {
     let mut pairs = corners.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
     let corners = [pairs.next()?, pairs.next()?, pairs.next()?, pairs.next()?];
     let (photo, arena) = (decode(&bytes).ok()?, Arena { width, height });
-    let whole = |method| least_ms(REPEATS, || detect(&photo, arena, &options(method)).is_ok());
+    let whole = |method| least_ms(3, || detect(&photo, arena, &options(method)).is_ok());
     Some(format!(
         "{{\"width\":{},\"height\":{},\"paper_ms\":{:.3},\"detect_paper_ms\":{:.3},\"detect_robust_ms\":{:.3}}}",
         photo.width(),
@@ -119,7 +119,7 @@ fn sizes() {
         let pixels = (photo.width() * photo.height()) as f64;
         for (name, method) in [("paper", Method::Paper), ("robust", Method::Robust)] {
             let run = || detect(&photo, arena, &options(method)).is_ok();
-            let (ms, peak) = (least_ms(3, run), peak_bytes(run) as f64);
+            let (ms, peak) = (least_ms(2, run), peak_bytes(run) as f64);
             println!(
                 "{{\"method\":\"{name}\",\"megapixels\":{:.2},\"ms\":{ms:.1},\"ns_per_pixel\":{:.2},\"peak_bytes_per_pixel\":{:.2}}}",
                 pixels / 1e6,

@@ -19,7 +19,7 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 
 /// Draws the brightness of the plan view of a photo, sRGB codes.
 ///
-/// Where the photo is finer than the view a cell is the mean of several places, at most 4 × 4.
+/// Where the photo is at least twice as fine as the view a cell is the mean of several places, at most 4 × 4.
 ///
 /// ```
 /// use host::{geometry::Arena, vision::{Photo, PlanFrame, PlanMap, brightness_view}};
@@ -35,7 +35,7 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 /// ```
 pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<u8> {
     let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
-    let places = (map.scale_at(middle) / frame.scale).round().clamp(1.0, 4.0) as usize;
+    let places = (map.scale_at(middle) / frame.scale).floor().clamp(1.0, 4.0) as usize;
     let (width, height) = frame.size();
     let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
     let mut sums = vec![0u32; width];

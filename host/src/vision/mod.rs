@@ -9,9 +9,13 @@
 //!                                                    Detection: metres, with margins ◄──────────┘
 //! ```
 //! [`detect`] is the whole flow; each of the paper's steps is a function of its own
-//! ([`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],
+//! ([`brightness_view`], [`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],
 //! [`detect_obstacles`], [`enlarge`], [`obstacle_borders`]), usable alone. Pixels never leave this module
-//! but as `corners_px`; everything else is metres and radians in the arena frame.
+//! but as `corners_px`; everything else is metres and radians in the arena frame. Two pictures by two
+//! calibrated cameras give heights too: [`detect_pair`].
+//!
+//! `python3 host/benches/vision_peer.py SCENES` compares time with an OpenCV baseline on the same pictures,
+//! and shows time and memory over the size of the photo.
 
 mod align;
 mod arena;
