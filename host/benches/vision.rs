@@ -106,7 +106,7 @@ fn drawn(width: usize) -> Option<Photo> {
         let floor = Rect::new(0.0, 0.0, 2.0, 1.5).distance(point) == 0.0;
         let frame = Rect::new(-0.05, -0.05, 2.05, 1.55).distance(point) == 0.0 && !floor;
         let dark = frame || boxes.iter().any(|rect| rect.distance(point) == 0.0);
-        let grain = (index * 2_654_435_761 >> 7) as u8 % 8;
+        let grain = (index.wrapping_mul(2_654_435_761) >> 7) as u8 % 8;
         [if dark { 40 } else { 220 } + grain; 3]
     });
     Photo::from_rgb(width, height, pixels.collect()).ok()
