@@ -19,6 +19,9 @@ use std::time::{Duration, Instant};
 /// The longest line that is read, bytes; an answer takes some sixty.
 const LONGEST_LINE: u64 = 4096;
 
+/// How often somebody who waits for the physics is asked whether to go on.
+const LISTEN: Duration = Duration::from_millis(100);
+
 /// A brain whose base is at the other end of a socket.
 #[derive(Debug)]
 pub struct Lockstep<B> {
@@ -44,6 +47,7 @@ impl<B: Brain> Lockstep<B> {
         }
         // Each line waits for the other: collecting them would cost 40 ms a step.
         physics.set_nodelay(true)?;
+        physics.set_read_timeout(Some(LISTEN))?;
         Ok(Self {
             brain,
             physics: BufReader::new(physics),
@@ -67,6 +71,16 @@ impl<B: Brain> Lockstep<B> {
     /// # Errors
     /// If the firmware cannot be run any further, or the physics do not answer as they should.
     pub fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        self.wait_while(duration, &mut || true)
+    }
+
+    /// As [`wait`](Self::wait), but `Interrupted` as soon as `goes_on` says no to silent physics; the
+    /// base is of no use after that.
+    fn wait_while(
+        &mut self,
+        duration: Duration,
+        goes_on: &mut impl FnMut() -> bool,
+    ) -> io::Result<()> {
         self.owed += duration;
         while self.owed >= B::STEP {
             self.owed -= B::STEP;
@@ -75,20 +89,16 @@ impl<B: Brain> Lockstep<B> {
             self.now += B::STEP;
             while self.stepped + self.step <= self.now {
                 self.stepped += self.step;
-                self.exchange(duty)?;
+                self.exchange(duty, goes_on)?;
             }
         }
         Ok(())
     }
 
-    fn exchange(&mut self, duty: [f64; 2]) -> io::Result<()> {
+    fn exchange(&mut self, duty: [f64; 2], goes_on: &mut impl FnMut() -> bool) -> io::Result<()> {
         let line = json!({ "t": self.stepped.as_secs_f64(), "duty": duty });
         writeln!(self.physics.get_mut(), "{line}")?;
-        let mut answer = String::new();
-        let read = self.physics.by_ref().take(LONGEST_LINE).read_line(&mut answer)?;
-        if read == 0 {
-            return Err(io::Error::new(ErrorKind::UnexpectedEof, "the physics have gone"));
-        }
+        let answer = self.answer(goes_on)?;
         let (counts, battery) = parse(&answer).ok_or_else(|| {
             let help = r#"expected {"counts":[left,right]} with whole numbers, not "#;
             io::Error::new(ErrorKind::InvalidData, format!("{help}{}", answer.trim_end()))
@@ -98,6 +108,28 @@ impl<B: Brain> Lockstep<B> {
             self.brain.set_battery(volts);
         }
         Ok(())
+    }
+
+    fn answer(&mut self, goes_on: &mut impl FnMut() -> bool) -> io::Result<String> {
+        let mut answer = Vec::new();
+        loop {
+            // What has come before the time was over stays in `answer`.
+            let room = LONGEST_LINE - answer.len() as u64;
+            match self.physics.by_ref().take(room).read_until(b'\n', &mut answer) {
+                Ok(_) if answer.is_empty() => {
+                    return Err(io::Error::new(ErrorKind::UnexpectedEof, "the physics have gone"));
+                }
+                Ok(_) => return Ok(String::from_utf8_lossy(&answer).into_owned()),
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+                {
+                    if !goes_on() {
+                        return Err(ErrorKind::Interrupted.into());
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        }
     }
 }
 
@@ -131,15 +163,18 @@ pub fn run<B: Brain>(
     lockstep: &mut Lockstep<B>,
     port: &mut (impl Read + Write),
     pacing: Pacing,
-    mut goes_on: impl FnMut(&Lockstep<B>) -> bool,
+    mut goes_on: impl FnMut() -> bool,
 ) -> io::Result<()> {
     let started = Instant::now();
     let mut buffer = [0; 4096];
-    while goes_on(lockstep) {
+    while goes_on() {
         if let Some(length) = or_nothing(port.read(&mut buffer))? {
             lockstep.write_all(&buffer[..length])?;
         }
-        lockstep.wait(B::STEP)?;
+        match lockstep.wait_while(B::STEP, &mut goes_on) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => break,
+            result => result?,
+        }
         while let Some(length) = or_nothing(lockstep.read(&mut buffer))? {
             if or_nothing(port.write(&buffer[..length]))?.is_none() {
                 break;

@@ -176,3 +176,19 @@ fn a_person_who_measures_is_asked_again_and_may_leave() {
     let end = sim.end();
     assert!(distance(&end["true_pose"], 0.3, 0.0) < 0.005, "{end}");
 }
+
+#[test]
+fn silent_physics_do_not_hold_the_program_that_is_interrupted() {
+    let mut sim = wmr(&["sim", "--lockstep", "127.0.0.1:0", "--tcp", "127.0.0.1:0", "--json"]);
+    let mut sim = sim.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let lines = BufReader::new(sim.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let waiting = lines.take(2).last().unwrap();
+    let mut physics =
+        std::net::TcpStream::connect(waiting.split_whitespace().last().unwrap()).unwrap();
+    // The first step has come: the program waits for its answer.
+    BufReader::new(&mut physics).read_line(&mut String::new()).unwrap();
+    interrupt(&sim);
+    let output = sim.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert!(document(&output)["t"].is_number(), "{output:?}");
+}

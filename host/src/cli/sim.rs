@@ -64,20 +64,36 @@ fn serve<B: Brain>(
     output: Output,
 ) -> Result<(), CliError> {
     let mut port = offer(args, output)?;
-    let failed = |error| CliError::new(Exit::Port, "port.failed", error, "start it again");
     if let Some(address) = &args.lockstep {
-        let Some(physics) = accept(address, output)? else { return Ok(()) };
-        let step = Duration::from_secs_f64(args.step);
-        let mut base = Lockstep::new(brain, physics, step).map_err(failed)?;
-        let pacing = if args.fast { Pacing::Fast } else { Pacing::RealTime };
-        return lockstep::run(&mut base, &mut port, pacing, |_| !mission::interrupted())
-            .map_err(failed);
+        let seconds = lockstep(brain, address, args, &mut port, output)?.as_secs_f64();
+        output.result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
+        return Ok(());
     }
     let base = BaseParameters::seeded(args.seed);
     let mut simulation = world.with(brain, base);
     realtime::run(&mut simulation, &mut port, |_| !mission::interrupted()).map_err(failed)?;
     report(&simulation.truth(), output);
     Ok(())
+}
+
+fn failed(error: io::Error) -> CliError {
+    CliError::new(Exit::Port, "port.failed", error, "start it again")
+}
+
+/// Runs `brain` on the physics that connect at `address`; how far their time got.
+fn lockstep<B: Brain>(
+    brain: B,
+    address: &str,
+    args: &SimArgs,
+    port: &mut Box<dyn Port>,
+    output: Output,
+) -> Result<Duration, CliError> {
+    let Some(physics) = accept(address, output)? else { return Ok(Duration::ZERO) };
+    let step = Duration::from_secs_f64(args.step);
+    let mut base = Lockstep::new(brain, physics, step).map_err(failed)?;
+    let pacing = if args.fast { Pacing::Fast } else { Pacing::RealTime };
+    lockstep::run(&mut base, port, pacing, || !mission::interrupted()).map_err(failed)?;
+    Ok(base.now())
 }
 
 /// Opens what `args` ask for and says where it is.
