@@ -69,7 +69,9 @@ impl Write for Pty {
 
 impl Drop for Pty {
     fn drop(&mut self) {
-        if let Some(link) = &self.link {
+        // The next simulation may have taken the name over: then the link leads to its device.
+        let ours = |link: &&PathBuf| std::fs::read_link(link).is_ok_and(|to| to == self.device);
+        if let Some(link) = self.link.as_ref().filter(ours) {
             // A link that somebody else has removed meanwhile is no loss.
             let _ = std::fs::remove_file(link);
         }
@@ -88,6 +90,18 @@ fn nobody_is_nothing(error: io::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_that_another_has_taken_over_stays() {
+        let directory = tempfile::tempdir().unwrap();
+        let link = directory.path().join("robot");
+        let first = Pty::open(Some(&link)).unwrap();
+        let second = Pty::open(Some(&link)).unwrap();
+        drop(first);
+        assert_eq!(std::fs::read_link(&link).unwrap(), second.device());
+        drop(second);
+        assert!(!link.is_symlink());
+    }
 
     #[test]
     fn every_byte_passes_both_ways_unchanged() {
