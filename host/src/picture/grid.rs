@@ -11,7 +11,7 @@ use crate::scene::Scene;
 pub fn border_lines(scene: &Scene, stages: &GridStages) -> String {
     let lines = stages.matrix.lines();
     let subtitle = format!(
-        "{} obstacles grown by the robot's radius of {} cm; every border that can be seen draws a line",
+        "{} obstacles grown by the robot's radius of {} cm and their margins; every visible border draws a line",
         scene.obstacles.len(),
         scene.robot_radius * 100.0
     );
@@ -27,7 +27,7 @@ pub fn border_lines(scene: &Scene, stages: &GridStages) -> String {
     }
     floor.finish(&[
         (Swatch::Fill("obstacle"), "obstacle"),
-        (Swatch::Fill("grown"), "grown by the radius"),
+        (Swatch::Fill("grown"), "grown by the radius and margin"),
         (Swatch::Line("border-line"), "border line"),
     ])
 }

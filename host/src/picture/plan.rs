@@ -39,9 +39,9 @@ pub fn path_tree(tree: &PathTree, stages: &GridStages) -> String {
     let height = LEAF_HEIGHT * paths.len() as f64 + 30.0;
     let mut svg = Svg::new(width, height, "The tree of global paths", &subtitle);
     draw_edges(&mut svg, tree, &layout, chosen);
-    draw_nodes(&mut svg, tree, &layout, chosen);
+    draw_nodes(&mut svg, (tree, stages), &layout, chosen);
     svg.finish(&[
-        (Swatch::Dot("node"), "area by its number"),
+        (Swatch::Dot("node"), "area by its number; length by entry and exit points"),
         (Swatch::Line("best-edge"), "chosen: shortest once useless points are dropped"),
     ])
 }
@@ -109,7 +109,13 @@ fn edges(tree: &PathTree, layout: &Layout) -> Vec<(usize, [(f64, f64); 2])> {
     (1..tree.nodes.len()).filter_map(edge).collect()
 }
 
-fn draw_nodes(svg: &mut Svg, tree: &PathTree, layout: &Layout, chosen: Option<usize>) {
+fn draw_nodes(
+    svg: &mut Svg,
+    (tree, stages): (&PathTree, &GridStages),
+    layout: &Layout,
+    chosen: Option<usize>,
+) {
+    let goal = stages.entry_exit_points.last();
     let best = chosen.map(|at| branch(tree, at)).unwrap_or_default();
     for (node, of) in tree.nodes.iter().enumerate() {
         let Some((x, y)) = layout.pixel(node) else { continue };
@@ -118,7 +124,9 @@ fn draw_nodes(svg: &mut Svg, tree: &PathTree, layout: &Layout, chosen: Option<us
         let class = if is_best { "on-dark" } else { "legend" };
         svg.text((x, y + 3.6), class, "middle", 10.0, &of.area.number().to_string());
         if tree.arrivals.contains(&node) {
-            let metres = of.length / crate::grid::UNITS_PER_METRE;
+            // A node's length ends where its branch enters the goal's area.
+            let rest = goal.map_or(0.0, |goal| of.entry.distance(*goal));
+            let metres = (of.length + rest) / crate::grid::UNITS_PER_METRE;
             svg.text((x + 17.0, y + 4.0), "subtitle", "start", 12.0, &format!("{metres:.3} m"));
         }
     }
@@ -177,8 +185,8 @@ fn grown_obstacles(
     }
     floor.rect(metres(arena.inside), "inside");
     legend.extend([
-        (Swatch::Fill("grown"), "grown by the radius"),
-        (Swatch::Line("inside"), "border shrunk by the radius"),
+        (Swatch::Fill("grown"), "grown by the radius and margin"),
+        (Swatch::Line("inside"), "border shrunk by both"),
     ]);
 }
 
@@ -225,6 +233,16 @@ mod tests {
             assert!(svg.contains(&format!(">{number}</text>")), "area {number} is missing");
         }
         assert!(svg.contains("98 global paths (24 drawn)"));
+    }
+
+    #[test]
+    fn the_tree_gives_the_whole_length_of_the_chosen_path() {
+        let stages = paper().1.grid.unwrap();
+        let svg = path_tree(stages.tree.as_ref().unwrap(), &stages);
+        let points = &stages.entry_exit_points;
+        let steps = points.iter().zip(&points[1..]).map(|(from, to)| from.distance(*to));
+        let metres = steps.sum::<f64>() / crate::grid::UNITS_PER_METRE;
+        assert!(svg.contains(&format!(">{metres:.3} m</text>")), "{metres}");
     }
 
     #[test]
