@@ -315,3 +315,31 @@ fn a_goal_that_cannot_be_reached_is_told_the_gap_or_the_nearest_free_point() {
     assert_eq!(code, "plan.goal_blocked");
     assert!(text.contains("the nearest free point is (0.8250, 0.2000)"), "{text}");
 }
+
+fn write(folder: &tempfile::TempDir, name: &str, text: &str) -> String {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// A floor of 2 m by 1 m without obstacles, with `ends` as its start and goal.
+fn floor(ends: &str) -> String {
+    format!(r#"{{"format":"wmr-scene/1","arena":{{"width":2,"height":1}},"obstacles":[],{ends}}}"#)
+}
+
+const ENDS: &str = r#""start":[0.6,0.5,0],"goal":[1.4,0.5]"#;
+
+#[test]
+fn a_text_is_no_photo_whatever_it_begins_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let marked = write(&folder, "marked.json", &format!("\u{feff}{}", floor(ENDS)));
+    succeed(&["plan", &marked, "--json"]);
+    let list = write(&folder, "list.json", "[]");
+    assert_refused(3, "file.json", &["plan", &list]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_without_end_is_refused() {
+    assert_refused(3, "file.size", &["plan", "/dev/zero"]);
+}

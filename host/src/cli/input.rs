@@ -8,7 +8,8 @@ use host::picture::vision::{NamedPicture, vision_pictures};
 use host::plan_file::PlanFile;
 use host::scene::{DEFAULT_ROBOT_RADIUS, Scene};
 use host::vision::{self, Camera, DetectOptions, Detection, Method};
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -47,7 +48,7 @@ pub(crate) struct Sight {
 
 /// Reads `path`, and if it is a photo, looks at it.
 pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Input, CliError> {
-    let bytes = read_bytes(path)?;
+    let bytes = without_byte_order_mark(read_bytes(path)?);
     match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
         None => Err(CliError::new(
             Exit::File,
@@ -56,10 +57,21 @@ pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Inp
             "give a photo (PNG or JPEG), a scene or a plan",
         )),
         Some(b'{') => read_json(path, &bytes),
+        Some(_) if path.extension().is_some_and(|ending| ending == "json") => {
+            read_json(path, &bytes)
+        }
         Some(_) => match read_cells(path, sight.resolution)? {
             Some(map) => Ok(Input::Scene(map.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))),
             None => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
         },
+    }
+}
+
+/// Editors on Windows begin a text with a mark that JSON does not know.
+fn without_byte_order_mark(bytes: Vec<u8>) -> Vec<u8> {
+    match bytes.strip_prefix(b"\xef\xbb\xbf") {
+        Some(text) => text.to_vec(),
+        None => bytes,
     }
 }
 
@@ -73,17 +85,16 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
         };
         CliError::new(Exit::File, "file.read", format!("{}: {error}", path.display()), help)
     };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > LARGEST_FILE {
-        let message = format!(
-            "{} has {} MB; at most {} are read",
-            path.display(),
-            size >> 20,
-            LARGEST_FILE >> 20
-        );
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(failed)?;
+    // A device tells no size before it is read.
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        let (name, most) = (path.display(), LARGEST_FILE >> 20);
+        let message = format!("{name} has more than {most} MB");
         return Err(CliError::new(Exit::File, "file.size", message, "scale the picture down"));
     }
-    std::fs::read(path).map_err(failed)
+    Ok(bytes)
 }
 
 /// The cells of a map, if the name of `path` says that it is one; those of a Moving AI map are
