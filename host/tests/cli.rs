@@ -330,6 +330,29 @@ fn floor(ends: &str) -> String {
 const ENDS: &str = r#""start":[0.6,0.5,0],"goal":[1.4,0.5]"#;
 
 #[test]
+fn a_plan_is_not_driven_to_another_goal_than_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write(&folder, "scene.json", &floor(ENDS));
+    let plan = folder.path().join("plan.json");
+    let plan = plan.to_str().unwrap();
+    succeed(&["plan", &scene, "-o", plan, "--json"]);
+    let run = succeed(&["drive", plan, "--goal", "1,0.5", "--port", "sim", "--json"]);
+    assert_arrived(&run);
+    assert!((numbers(&run["true_pose"])[0] - 1.0).abs() < END_POSITION, "{run}");
+    let anew = succeed(&["plan", plan, "--start", "0.7,0.4", "--radius", "20cm", "--json"]);
+    assert_eq!(numbers(&anew["waypoints"][0]), [0.7, 0.4]);
+    assert_eq!(number(&anew["scene"]["robot_radius"]), 0.2);
+}
+
+#[test]
+fn a_floor_too_narrow_for_the_margin_is_driven_without_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write(&folder, "scene.json", &floor(ENDS));
+    succeed(&["drive", &scene, "--radius", "0.496", "--port", "sim", "--json"]);
+    assert_refused(3, "plan.bad_arena", &["drive", &scene, "--radius", "0.51", "--port", "sim"]);
+}
+
+#[test]
 fn a_text_is_no_photo_whatever_it_begins_with() {
     let folder = tempfile::tempdir().unwrap();
     let marked = write(&folder, "marked.json", &format!("\u{feff}{}", floor(ENDS)));

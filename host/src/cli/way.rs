@@ -39,7 +39,7 @@ pub(crate) enum MarginRule {
 
 /// Plans the way that `args` ask for in `input`.
 ///
-/// A plan is taken as it is, unless it is to be driven and keeps less margin than asked for.
+/// A plan is taken as it is, unless another start, goal, radius or more margin is asked for.
 pub(crate) fn find(
     input: &Input,
     args: &WayArgs,
@@ -48,11 +48,15 @@ pub(crate) fn find(
 ) -> Result<PlannedWay, CliError> {
     let planner = planner(args.planner);
     match input {
-        Input::Plan(file) if keeps_margin(file, args, rule) => {
+        Input::Plan(file) if asks_nothing_else(args) && keeps_margin(file, args, rule) => {
             Ok(PlannedWay { file: (**file).clone(), plan: None, options: PlanOptions::default() })
         }
         Input::Plan(file) => {
-            output.say("the plan keeps less than the margin for driving, so its way is planned anew; --margin 0 drives it as it is");
+            output.say(if asks_nothing_else(args) {
+                "the plan keeps less than the margin for driving, so its way is planned anew; --margin 0 drives it as it is"
+            } else {
+                "the plan is for another start, goal or radius, so its way is planned anew"
+            });
             let heading = file.goal_heading();
             let goal = file.waypoints.last().map(|position| Goal { position: *position, heading });
             let start = file
@@ -60,7 +64,7 @@ pub(crate) fn find(
                 .first()
                 .map(|&position| Pose { position, heading: file.start_heading() });
             let scene = Scene { start, goal, ..file.scene.clone() };
-            plan_way(&scene, &[], planner, args, rule, output)
+            plan_way(&with_radius(&scene, args.radius), &[], planner, args, rule, output)
         }
         Input::Scene(scene) => {
             plan_way(&with_radius(scene, args.radius), &[], planner, args, rule, output)
@@ -69,6 +73,11 @@ pub(crate) fn find(
             plan_way(&seen.scene(args.radius), &seen.detection.margins, planner, args, rule, output)
         }
     }
+}
+
+/// Whether a plan's own ends and radius are wanted.
+fn asks_nothing_else(args: &WayArgs) -> bool {
+    args.start.is_none() && args.goal.is_none() && args.radius.is_none()
 }
 
 /// Half a lattice step more or less is the same margin, metres.
@@ -168,7 +177,14 @@ fn first_way(
     for (index, &margin) in margins.iter().enumerate() {
         let options = options(margin);
         let began = Instant::now();
-        let mut arena = PreparedArena::new(scene, &options)?;
+        let mut arena = match PreparedArena::new(scene, &options) {
+            Ok(arena) => arena,
+            // An arena without room for robot and margin may have room for the robot alone.
+            Err(error) => {
+                last = error;
+                continue;
+            }
+        };
         let build = microseconds(began);
         let began = Instant::now();
         match arena.plan(start.position, goal.position) {
