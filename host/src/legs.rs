@@ -64,7 +64,7 @@ pub fn to_legs(
         way.push(only);
     }
     let Some(&first) = way.first() else { return Vec::new() };
-    let start = motion::Pose::new(first.x as f32, first.y as f32, heading as f32);
+    let start = motion::Pose::new(first.x as f32, first.y as f32, wrapped(heading));
     // The quickest way to have arrived by each direction: its time and its legs.
     let mut ways = vec![Way { ticks: 0, pose: start, legs: Vec::new() }];
     let directions: &[Direction] = if options.reverse {
@@ -84,7 +84,7 @@ pub fn to_legs(
                             index: (index - 1) as u16,
                             start: way.pose,
                             goal: Position::new(goal.x as f32, goal.y as f32),
-                            goal_heading: wanted.map(|heading| Radians(heading as f32).wrapped()),
+                            goal_heading: wanted.map(|heading| Radians(wrapped(heading)).wrapped()),
                             direction: *direction,
                             timing: options.timing,
                         },
@@ -131,6 +131,12 @@ pub fn planned_poses(legs: &[Leg], limits: &Limits) -> Vec<(f64, Pose)> {
 /// A robot's pose in the host's numbers.
 pub fn from_wire(pose: motion::Pose) -> Pose {
     Pose::new(pose.x.0.into(), pose.y.0.into(), pose.heading.0.into())
+}
+
+/// A heading of any size within one turn, so that f32 can hold it.
+fn wrapped(heading: f64) -> f32 {
+    let within = heading.abs() <= std::f64::consts::PI;
+    (if within { heading } else { heading.sin().atan2(heading.cos()) }) as f32
 }
 
 struct Way {

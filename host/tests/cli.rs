@@ -366,3 +366,13 @@ fn a_text_is_no_photo_whatever_it_begins_with() {
 fn a_file_without_end_is_refused() {
     assert_refused(3, "file.size", &["plan", "/dev/zero"]);
 }
+
+#[test]
+fn a_heading_of_many_turns_is_a_heading() {
+    let folder = tempfile::tempdir().unwrap();
+    let ends = r#""start":[0.3,0.5,1e300],"goal":[1.4,0.5,-1e300]"#;
+    let scene = write(&folder, "scene.json", &floor(ends));
+    let plan = succeed(&["plan", &scene, "--json"]);
+    assert!(number(&plan["legs"][0]["start"][2]).abs() <= std::f64::consts::PI + 1e-6, "{plan}");
+    assert!(number(&plan["legs"][0]["goal"][2]).abs() <= std::f64::consts::PI + 1e-6, "{plan}");
+}
