@@ -5,12 +5,16 @@ use host::geometry::{Arena, Point};
 use host::plan::Corners;
 use host::scene::Goal;
 
-const LENGTHS: [(&str, f64); 3] = [("mm", 0.001), ("cm", 0.01), ("m", 1.0)];
-const ANGLES: [(&str, f64); 2] = [("deg", std::f64::consts::PI / 180.0), ("rad", 1.0)];
+/// A suffix, and what its numbers become: divided, so that 1400mm is 1.4 and not the next number to it.
+type Unit = (&'static str, fn(f64) -> f64);
+
+const LENGTHS: [Unit; 3] = [("mm", |mm| mm / 1000.0), ("cm", |cm| cm / 100.0), ("m", |m| m)];
+const ANGLES: [Unit; 2] = [("deg", f64::to_radians), ("rad", |rad| rad)];
+const SECONDS: [Unit; 1] = [("s", |s| s)];
 
 /// A length in metres from `0.3`, `0.3m`, `30cm` or `300mm`.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
-    scaled(text, &LENGTHS, 1.0)
+    scaled(text, &LENGTHS, LENGTHS[2].1)
         .ok_or_else(|| format!("{text:?} is no length; write 0.3, 0.3m, 30cm or 300mm"))
 }
 
@@ -35,7 +39,7 @@ const LONGEST_LEG: f64 = 900.0;
 
 /// How long a leg takes, seconds: above 0 and at most [`LONGEST_LEG`].
 pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
-    let value = scaled(text, &[("s", 1.0)], 1.0);
+    let value = scaled(text, &SECONDS, SECONDS[0].1);
     let value = value.filter(|value| *value > 0.0 && *value <= LONGEST_LEG);
     value.ok_or_else(|| {
         format!("{text:?} is no time for a leg; write seconds above 0 and up to {LONGEST_LEG}")
@@ -59,7 +63,7 @@ pub(crate) fn percents(text: &str) -> Result<[f64; 3], String> {
 
 /// A step of simulated time, seconds: 0.1 ms to 100 ms.
 pub(crate) fn step(text: &str) -> Result<f64, String> {
-    let value = scaled(text, &[("s", 1.0)], 1.0).filter(|value| (1e-4..=0.1).contains(value));
+    let value = scaled(text, &SECONDS, SECONDS[0].1).filter(|value| (1e-4..=0.1).contains(value));
     value.ok_or_else(|| format!("{text:?} is no step; write seconds from 0.0001 to 0.1"))
 }
 
@@ -106,11 +110,11 @@ pub(crate) fn corners(text: &str) -> Result<CornersWord, String> {
         .ok_or_else(|| format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise, or square or round"))
 }
 
-fn scaled(text: &str, units: &[(&str, f64)], bare: f64) -> Option<f64> {
+fn scaled(text: &str, units: &[Unit], bare: fn(f64) -> f64) -> Option<f64> {
     let text = text.trim();
-    let suffixed = units.iter().find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, *scale)));
+    let suffixed = units.iter().find_map(|(unit, scale)| Some((text.strip_suffix(*unit)?, *scale)));
     let (number, scale) = suffixed.unwrap_or((text, bare));
-    finite(number).map(|number| number * scale)
+    finite(number).map(scale)
 }
 
 fn finite(text: &str) -> Option<f64> {
@@ -126,6 +130,7 @@ mod tests {
         assert_eq!(length("30cm"), Ok(0.3));
         assert_eq!(length("-2 m"), Ok(-2.0));
         assert_eq!(length("75mm"), Ok(0.075));
+        assert_eq!(length("1400mm"), Ok(1.4));
         assert_eq!(angle("180"), Ok(std::f64::consts::PI));
         assert_eq!(angle("1.5rad"), Ok(1.5));
         assert_eq!(arena("160cmx2.0"), Ok(Arena { width: 1.6, height: 2.0 }));
