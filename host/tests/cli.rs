@@ -330,6 +330,18 @@ fn floor(ends: &str) -> String {
 const ENDS: &str = r#""start":[0.6,0.5,0],"goal":[1.4,0.5]"#;
 
 #[test]
+fn a_goal_missed_is_one_document_and_exit_code_7() {
+    let folder = tempfile::tempdir().unwrap();
+    // 180 m of dead reckoning end centimetres off.
+    let far = r#"{"format":"wmr-scene/1","arena":{"width":99,"height":99},"obstacles":[[40,0,41,90]],"start":[1,1,0],"goal":[97,1]}"#;
+    let far = write(&folder, "far.json", far);
+    let output = wmr(&["drive", &far, "--port", "sim", "--json"]);
+    assert_eq!(output.status.code(), Some(7), "{output:?}");
+    assert_eq!(document(&output)["reached"], false);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("robot.missed"), "{output:?}");
+}
+
+#[test]
 fn a_plan_is_not_driven_to_another_goal_than_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let scene = write(&folder, "scene.json", &floor(ENDS));
@@ -353,6 +365,27 @@ fn a_floor_too_narrow_for_the_margin_is_driven_without_it() {
 }
 
 #[test]
+fn the_plan_is_in_the_log_before_the_robot_is_looked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write(&folder, "scene.json", &floor(ENDS));
+    let log = folder.path().join("log");
+    let to = ["--log", log.to_str().unwrap()];
+    assert_refused(
+        5,
+        "port.missing",
+        &[&["drive", &scene, "--port", "tcp://127.0.0.1:1"], &to[..]].concat(),
+    );
+    assert!(log.join("plan.json").is_file());
+    // No folder, no drive: the port is not even tried.
+    let to = ["--log", &scene];
+    assert_refused(
+        3,
+        "file.write",
+        &[&["drive", &scene, "--port", "tcp://127.0.0.1:1"], &to[..]].concat(),
+    );
+}
+
+#[test]
 fn a_text_is_no_photo_whatever_it_begins_with() {
     let folder = tempfile::tempdir().unwrap();
     let marked = write(&folder, "marked.json", &format!("\u{feff}{}", floor(ENDS)));
@@ -365,6 +398,16 @@ fn a_text_is_no_photo_whatever_it_begins_with() {
 #[test]
 fn a_file_without_end_is_refused() {
     assert_refused(3, "file.size", &["plan", "/dev/zero"]);
+}
+
+#[test]
+fn a_leg_too_short_to_drive_leaves_its_length_as_the_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let ends = r#""start":[0.3,0.5,0],"goal":[0.301,0.5]"#;
+    let scene = write(&folder, "scene.json", &floor(ends));
+    let run = succeed(&["drive", &scene, "--port", "sim", "--json"]);
+    let moved = numbers(&run["true_pose"])[0] - 0.3;
+    assert!((number(&run["error"]["position"]) - (0.001 - moved).abs()).abs() < 1e-6, "{run}");
 }
 
 #[test]

@@ -54,10 +54,8 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let way = way::find(&input, &way_args, MarginRule::ForDriving, output)?;
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
+    let folder = Folder::begin(&args.out, &input, &way)?;
     let run = drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
-    let folder = Folder::create(&args.out)?;
-    folder.input(&input, way.file.scene.robot_radius)?;
-    folder.plan(&way)?;
     folder.run(&run)?;
     output.result(&run.document(), &describe_run(&run));
     output.say(&format!("pictures and log: {}", args.out.display()));

@@ -10,6 +10,7 @@ use super::output::Output;
 use super::run::Run;
 use super::way::{self, MarginRule, PlannedWay};
 use host::geometry::{Point, Pose};
+use protocol::motion::Limits;
 
 /// `wmr drive`.
 pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
@@ -25,11 +26,9 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     let asked = args.way.with_corners(&args.vision);
     let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
     let resume = if args.resume { Resume::Wanted } else { Resume::Offered };
+    let folder = args.log.as_deref().map(|path| Folder::begin(path, &input, &way)).transpose()?;
     let run = drive_way(&way, &asked, &args.port, args.sim_seed, resume, output)?;
-    if let Some(folder) = &args.log {
-        let folder = Folder::create(folder)?;
-        folder.input(&input, way.file.scene.robot_radius)?;
-        folder.plan(&way)?;
+    if let Some(folder) = folder {
         folder.run(&run)?;
     }
     output.result(&run.document(), &describe_run(&run));
@@ -54,10 +53,12 @@ pub(crate) fn drive_way(
         TimingName::Paper => SimulatedRobot::Paper,
     };
     let endpoint = endpoint::open(port, world, robot)?;
-    mission::drive(endpoint, start, |limits| way::legs_of(file, args, limits), resume, output)
+    let legs = |limits: &Limits| way::legs_of(file, args, limits);
+    let run = mission::drive(endpoint, start, legs, resume, output)?;
+    Ok(Run { goal: file.waypoints.last().copied(), ..run })
 }
 
-/// An error if the robot says that it is done, but is not where it should be.
+/// An error if the robot says that it is done, but is not where it should be; for after the result.
 pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
     if run.reached() {
         return Ok(());
@@ -68,12 +69,14 @@ pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
         position * 1000.0,
         heading.to_degrees()
     );
-    Err(CliError::new(
-        Exit::Robot,
-        "robot.missed",
-        message,
-        "look for slipping wheels, then drive again",
-    ))
+    let help = "look for slipping wheels, then drive again";
+    let error = CliError::new(Exit::Robot, "robot.missed", message, help);
+    Err(CliError { after_result: true, ..error })
+}
+
+/// `1 leg` or `3 legs`.
+pub(crate) fn count_of_legs(count: usize) -> String {
+    format!("{count} leg{}", if count == 1 { "" } else { "s" })
 }
 
 /// A run, for people.
@@ -81,8 +84,8 @@ pub(crate) fn describe_run(run: &Run) -> String {
     let (position, heading) = run.error();
     let known = if run.truth.is_some() { "true" } else { "measured" };
     let mut text = format!(
-        "{} legs in {:.2} s; {known} end pose {}, {:.1} mm and {:.2}° from the goal\n",
-        run.results.len(),
+        "{} in {:.2} s; {known} end pose {}, {:.1} mm and {:.2}° from the goal\n",
+        count_of_legs(run.results.len()),
         run.duration(),
         place(run.best_pose()),
         position * 1000.0,

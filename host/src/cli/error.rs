@@ -42,11 +42,19 @@ pub(crate) struct CliError {
     pub(crate) code: String,
     pub(crate) message: String,
     pub(crate) help: String,
+    /// The command's document is printed already: a second one would break `--json`.
+    pub(crate) after_result: bool,
 }
 
 impl CliError {
     pub(crate) fn new(exit: Exit, code: &str, message: impl Display, help: impl Display) -> Self {
-        Self { exit, code: code.into(), message: message.to_string(), help: help.to_string() }
+        Self {
+            exit,
+            code: code.into(),
+            message: message.to_string(),
+            help: help.to_string(),
+            after_result: false,
+        }
     }
 
     /// An error of the library: its text says what, and after a semicolon what to do.

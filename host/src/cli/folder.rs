@@ -25,6 +25,15 @@ impl Folder {
         Ok(Self(path.to_owned()))
     }
 
+    /// Creates the folder for a drive and writes down all that is known before the robot moves: a
+    /// folder that cannot be written costs no drive, and a drive that fails leaves its plan.
+    pub(crate) fn begin(path: &Path, input: &Input, way: &PlannedWay) -> Result<Self, CliError> {
+        let folder = Self::create(path)?;
+        folder.input(input, way.file.scene.robot_radius)?;
+        folder.plan(way)?;
+        Ok(folder)
+    }
+
     /// Writes down what the command worked on.
     pub(crate) fn input(&self, input: &Input, radius: f64) -> Result<(), CliError> {
         match input {

@@ -34,7 +34,7 @@ impl Output {
 
     /// Prints an error.
     pub(crate) fn error(self, error: &CliError) {
-        if self.json {
+        if self.json && !error.after_result {
             print_line(&to_json(&error.json()));
         } else {
             let CliError { code, message, help, .. } = error;

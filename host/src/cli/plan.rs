@@ -1,6 +1,7 @@
 //! `wmr plan`: the way from start to goal.
 
 use super::args::PlanArgs;
+use super::drive::count_of_legs;
 use super::error::CliError;
 use super::folder::{Folder, write_file};
 use super::input::{self, Sight};
@@ -44,9 +45,9 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
 pub(crate) fn describe_way(way: &PlannedWay) -> String {
     let file = &way.file;
     let mut text = format!(
-        "{:.3} m in {} legs, {:.1} s; {:.0} mm from the robot's middle to the nearest obstacle or border\n",
+        "{:.3} m in {}, {:.1} s; {:.0} mm from the robot's middle to the nearest obstacle or border\n",
         file.length,
-        file.legs.len(),
+        count_of_legs(file.legs.len()),
         file.duration,
         file.clearance * 1000.0
     );

@@ -19,6 +19,8 @@ pub(crate) struct Run {
     pub(crate) samples: Vec<Sample>,
     pub(crate) results: Vec<LegResult>,
     pub(crate) end: Pose,
+    /// Where the way leads. The legs may lead less far: one of a millimetre moves no wheel.
+    pub(crate) goal: Option<Point>,
     pub(crate) truth: Option<hil_sim::simulation::Truth>,
     pub(crate) link: LinkStatistics,
 }
@@ -53,6 +55,7 @@ impl Run {
             samples: Vec::new(),
             results: Vec::new(),
             end: start,
+            goal: None,
             truth: None,
             link: LinkStatistics::default(),
         }
@@ -95,8 +98,9 @@ impl Run {
 
     /// How far it is from the goal: metres and radians.
     pub(crate) fn error(&self) -> (f64, f64) {
-        let goal = planned_end(&self.legs, &self.limits).unwrap_or(self.end);
-        difference(goal, self.best_pose())
+        let planned = planned_end(&self.legs, &self.limits).unwrap_or(self.end);
+        let position = self.goal.unwrap_or(planned.position);
+        difference(Pose { position, ..planned }, self.best_pose())
     }
 
     /// Whether it ended at the goal.
