@@ -223,6 +223,8 @@ fn broken_input_is_refused_with_the_contracts_exit_code() {
     assert_refused(2, "usage", &["plan", PAPER, "--goal", "NaN,1"]);
     assert_refused(2, "usage", &["plan", PHOTO, "--goal", "1,1"]);
     assert_refused(2, "usage", &["fly"]);
+    let incomplete = document(&wmr(&["sim", "--json"]));
+    assert!(incomplete["error"]["message"].as_str().unwrap().contains("--pty"), "{incomplete}");
     assert_refused(5, "port.missing", &["drive", PAPER, "--port", "/dev/no-such-port"]);
     assert_refused(5, "port.missing", &["drive", PAPER, "--port", "tcp://127.0.0.1:1"]);
     assert_refused(

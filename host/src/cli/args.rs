@@ -7,6 +7,9 @@ use host::geometry::Arena;
 use host::scene::Goal;
 use std::path::PathBuf;
 
+/// What every command understands stands below its own options.
+const LAST: usize = 100;
+
 /// From a photo of an arena to a robot that drives through it without touching anything.
 ///
 /// Lengths are metres, angles degrees; suffixes mm, cm, m, deg and rad are understood.
@@ -16,10 +19,10 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
     /// Print exactly one JSON document on standard output, errors too.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = LAST)]
     pub(crate) json: bool,
     /// Say nothing on standard error but errors.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = LAST)]
     pub(crate) quiet: bool,
 }
 
@@ -143,7 +146,7 @@ pub(crate) enum MethodName {
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArgs {
-    /// A photo (PNG, JPEG), a scene (JSON) or a map.
+    /// A photo (PNG, JPEG), a scene or plan (JSON), or a map (.map, .yaml).
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) vision: VisionArgs,
@@ -242,7 +245,7 @@ pub(crate) struct ExportArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DriveArgs {
-    /// A plan, a photo, or a scene.
+    /// A plan, a photo, a scene or a map.
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) vision: VisionArgs,

@@ -68,7 +68,11 @@ fn refuse(error: &clap::Error) -> ExitCode {
     let json = std::env::args().any(|word| word == "--json");
     if json && !matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         let text = error.render().to_string();
-        let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        // The first paragraph says what is wrong, on several lines if it lists arguments.
+        let lines: Vec<&str> =
+            text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+        let text = lines.join(" ");
+        let message = text.trim_start_matches("error: ");
         let error =
             CliError::usage(message, "wmr --help, or wmr COMMAND --help, lists what is understood");
         Output { json, quiet: true }.error(&error);

@@ -42,6 +42,10 @@ fn checked(place: usize, value: f32) -> Result<Change, String> {
     if FIELDS[place].name == "counts-per-turn" && value.fract() != 0.0 {
         return Err(format!("{value}: a wheel has a whole number of counts in a turn"));
     }
+    // The wire's integer would hold another number than was typed.
+    if FIELDS[place].name == "counts-per-turn" && value > FIELDS[place].most {
+        return Err(format!("{value}: at most {} counts in a turn", FIELDS[place].most));
+    }
     Ok(Change { place, value })
 }
 
@@ -170,6 +174,7 @@ mod tests {
         assert_eq!(change("track=121mm"), Ok(Change { place: 2, value: 0.121 }));
         assert_eq!(change("speed=0.3"), Ok(Change { place: 4, value: 0.3 }));
         assert!(change("counts-per-turn=1440.5").is_err());
+        assert!(change("counts-per-turn=1e30").is_err());
         assert!(change("tracks=1").unwrap_err().contains("wheel-radius"));
         assert!(change("track").is_err() && change("speed=fast").is_err());
     }
