@@ -421,3 +421,13 @@ fn a_heading_of_many_turns_is_a_heading() {
     assert!(number(&plan["legs"][0]["start"][2]).abs() <= std::f64::consts::PI + 1e-6, "{plan}");
     assert!(number(&plan["legs"][0]["goal"][2]).abs() <= std::f64::consts::PI + 1e-6, "{plan}");
 }
+
+#[test]
+fn a_robot_led_away_from_a_box_keeps_its_margin_from_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let near = floor(r#""start":[0.3,0.5,0],"goal":[1.7,0.5]"#);
+    let near = near.replace(r#""obstacles":[]"#, r#""obstacles":[[0.36,0.4,0.5,0.6]]"#);
+    let run = succeed(&["drive", &write(&folder, "near.json", &near), "--port", "sim", "--json"]);
+    // It stands 15 mm too near, and touches nothing else on its way.
+    assert_eq!(run["collisions"], 1, "{run}");
+}

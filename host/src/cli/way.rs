@@ -174,7 +174,8 @@ fn first_way(
     options: impl Fn(f64) -> PlanOptions,
 ) -> Result<(Plan, f64, PlanTiming), PlanError> {
     let mut last = PlanError::NoPath { gap: None };
-    for (index, &margin) in margins.iter().enumerate() {
+    let mut led_away = None;
+    for &margin in margins {
         let options = options(margin);
         let began = Instant::now();
         let mut arena = match PreparedArena::new(scene, &options) {
@@ -188,16 +189,20 @@ fn first_way(
         let build = microseconds(began);
         let began = Instant::now();
         match arena.plan(start.position, goal.position) {
-            // A robot that would have to be led away for the margin alone may do with less.
-            Ok(plan) if plan.exit_leg.is_none() || index + 1 == margins.len() => {
-                return Ok((plan, margin, PlanTiming { build, query: microseconds(began) }));
+            // A robot that would have to be led away for the margin alone may do with less; one that
+            // must be led away in any case keeps the first margin behind that.
+            Ok(plan) => {
+                let timing = PlanTiming { build, query: microseconds(began) };
+                if plan.exit_leg.is_none() {
+                    return Ok((plan, margin, timing));
+                }
+                led_away.get_or_insert((plan, margin, timing));
             }
-            Ok(_) => {}
             Err(error @ (PlanError::NoPath { .. } | PlanError::Blocked { .. })) => last = error,
             Err(error) => return Err(error),
         }
     }
-    Err(last)
+    led_away.ok_or(last)
 }
 
 /// The time since then, microseconds.
