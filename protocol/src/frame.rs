@@ -96,7 +96,8 @@ fn seal(out: &mut [u8], length: usize) -> Result<usize, FrameError> {
     let (body, crc) = content.split_at_mut_checked(1 + length).ok_or(FrameError::TooLong)?;
     let (first, body) = body.split_first_mut().ok_or(FrameError::TooLong)?;
     *first = 0;
-    crc.copy_from_slice(&CASTAGNOLI.checksum(body).to_le_bytes());
+    let crc = crc.first_chunk_mut().ok_or(FrameError::TooLong)?;
+    *crc = CASTAGNOLI.checksum(body).to_le_bytes();
     let mut distance = 1;
     for byte in content.iter_mut().rev() {
         if *byte == 0 {
@@ -135,7 +136,7 @@ fn unseal(bytes: &mut [u8]) -> Result<&[u8], FrameError> {
     }
     let content = bytes.get(1..).ok_or(FrameError::Broken)?;
     let (body, crc) = content.split_last_chunk::<CRC_SIZE>().ok_or(FrameError::Broken)?;
-    if CASTAGNOLI.checksum(body).to_le_bytes() == *crc {
+    if CASTAGNOLI.checksum(body) == u32::from_le_bytes(*crc) {
         Ok(body)
     } else {
         Err(FrameError::Damaged)
