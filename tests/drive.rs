@@ -1,14 +1,18 @@
 //! Legs on the simulated base: where it ends, how long it takes, and what stops it.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use hil_sim::base::TruePose;
+use hil_sim::in_process::InProcess;
+use hil_sim::simulation::Simulation;
 use host::geometry::Point;
 use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::link::mission::{MissionError, MissionEvent};
+use host::link::LinkClient;
+use host::link::mission::{Mission, MissionError, MissionEvent};
 use protocol::message::{Command, PauseReason, PlanRefusal, State};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::units::Seconds;
 use std::time::Duration;
-use tests::{drive, simulated_robot};
+use tests::{POLL, drive, simulated_robot};
 
 const LIMITS: LegOptions = LegOptions { timing: Timing::Limits, reverse: true };
 const START: Pose = Pose::new(0.2, 0.2, 0.5);
@@ -147,6 +151,36 @@ fn a_silent_host_stops_the_robot_until_it_speaks_again() {
         })
         .unwrap();
     assert_at_goal(simulation.truth().pose);
+}
+
+/// Drives until `until` or to the end; whether it has ended.
+fn drive_until(
+    client: &mut LinkClient<Simulation<InProcess>>,
+    until: Duration,
+) -> Result<bool, MissionError> {
+    let mut mission = Mission::new(legs(&LIMITS), START);
+    while client.port_mut().now() < until {
+        let now = client.port_mut().now();
+        let events = mission.step(client, now)?;
+        if events.iter().any(|event| matches!(event, MissionEvent::Done(_))) {
+            return Ok(true);
+        }
+        client.port_mut().wait(POLL).unwrap();
+    }
+    Ok(false)
+}
+
+#[test]
+fn a_host_that_died_may_be_followed_by_one_with_the_same_plan() {
+    for (died, gap) in [(900, 0), (900, 150), (900, 2000), (2000, 10), (3000, 400)] {
+        let mut first = LinkClient::new(simulated_robot(START, 2), 42);
+        assert!(!drive_until(&mut first, Duration::from_millis(died)).unwrap());
+        let mut port = first.into_port();
+        port.wait(Duration::from_millis(gap)).unwrap();
+        let mut second = LinkClient::new(port, 43);
+        let end = drive_until(&mut second, Duration::from_secs(60));
+        assert!(matches!(end, Ok(true)), "died at {died}, followed {gap} ms later: {end:?}");
+    }
 }
 
 fn leg_ticks(event: &MissionEvent) -> u32 {

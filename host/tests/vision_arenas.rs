@@ -1,4 +1,5 @@
 //! Arenas drawn in code (noise, a gradient of light, rotation, boxes anywhere) are found by both methods.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use host::geometry::{Arena, Point, Rect};
 use host::vision::{DetectOptions, Detection, Method, Photo, detect};

@@ -29,7 +29,11 @@ const BATCH: usize = 8;
 const STALE_TICKS: u32 = 40;
 
 /// A robot that is not cleared after so many attempts does not come to rest.
-const MOST_CLEARINGS: u32 = 5;
+const MOST_CLEARINGS: u32 = 10;
+
+/// After a vain attempt the robot is given so long, control ticks: its wheels may stand already while
+/// it still brings them to where they should, for 0.3 s.
+const CLEARING_TICKS: u32 = 20;
 
 /// What happens on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +88,8 @@ pub struct Mission {
     accepted_end: u16,
     own_stop: u8,
     clearings: u32,
+    /// When the robot last refused to be cleared, control ticks of its clock.
+    refused: Option<u32>,
     resume_asked: bool,
     ticks: Option<u32>,
 }
@@ -117,6 +123,7 @@ impl Mission {
             accepted_end: 0,
             own_stop: 0,
             clearings: 0,
+            refused: None,
             resume_asked: false,
             ticks: None,
         }
@@ -172,7 +179,12 @@ impl Mission {
             Phase::Greeting => self.greet(client, events)?,
             Phase::Halting => {
                 // Idle if somebody else has cleared it already.
-                let rests = |last: &&Telemetry| has_stopped(last) || last.state == State::Idle;
+                let rests = |last: &&Telemetry| {
+                    (has_stopped(last) || last.state == State::Idle)
+                        && self.refused.is_none_or(|refused| {
+                            last.ticks.wrapping_sub(refused) >= CLEARING_TICKS
+                        })
+                };
                 if let Some(telemetry) = client.telemetry().filter(rests) {
                     self.phase = Phase::Clearing;
                     if self.knows_pose {
@@ -323,6 +335,7 @@ impl Mission {
             {
                 // The wheels stood still for a moment, but had not come to rest.
                 self.phase = Phase::Halting;
+                self.refused = self.ticks;
                 self.announced = usize::from(self.progress.next);
                 Ok(None)
             }
@@ -334,6 +347,13 @@ impl Mission {
                 let ticks = *self.accepted.get_or_insert(self.ticks.unwrap_or(0));
                 self.accepted_end = end;
                 Ok(begins.then_some(MissionEvent::Accepted { ticks }))
+            }
+            // The robot may have driven the same plan before, for another host; what it says of that
+            // is not about this mission.
+            Report::LegDone(_) | Report::PlanDone { .. } | Report::PlanStopped { .. }
+                if self.accepted.is_none() =>
+            {
+                Ok(None)
             }
             Report::LegDone(result) if result.plan == self.plan => {
                 self.progress = Progress { next: result.index + 1, pose: result.pose };

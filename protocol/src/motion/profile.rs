@@ -37,7 +37,7 @@ impl Profile {
 
     /// The paper's pure cosine over `ticks` control ticks.
     pub fn cosine(ticks: u32) -> Self {
-        Self { ticks, ramp: ticks * PHASES_PER_TICK / 2 }
+        Self { ticks, ramp: ticks.saturating_mul(PHASES_PER_TICK) / 2 }
     }
 
     /// The shortest interval in which the rims travel `travel` within `limits`.
@@ -82,7 +82,7 @@ impl Profile {
 
     /// n: how long it takes, phases.
     pub fn phases(self) -> u32 {
-        self.ticks * PHASES_PER_TICK
+        self.ticks.saturating_mul(PHASES_PER_TICK)
     }
 
     /// The part of the change that is done at phase `k`: 0 at 0, exactly 1 at the end and after.
@@ -91,7 +91,7 @@ impl Profile {
         if k >= n {
             return 1.0;
         }
-        if 2 * k > n {
+        if k > n / 2 {
             return 1.0 - self.first_half(n - k);
         }
         self.first_half(k)
@@ -176,6 +176,13 @@ mod tests {
         assert_eq!(Profile::EMPTY.fraction(0), 1.0);
         assert_eq!(Profile::EMPTY.rate(0, f32::cos), 0.0);
         assert_eq!(Profile::shortest(Metres(0.0), &limits(0.4, 0.8)), Profile::EMPTY);
+    }
+
+    #[test]
+    fn a_way_of_a_thousand_kilometres_overflows_nothing() {
+        let profile = Profile::shortest(Metres(1e6), &limits(0.4, 0.8));
+        assert!(profile.fraction(profile.phases() / 2 + 1) >= 0.5);
+        assert!(profile.rate(profile.phases() - 1, f32::cos) >= 0.0);
     }
 
     proptest! {
