@@ -125,6 +125,14 @@ fn plan_way(
             length * 1000.0
         ));
     }
+    if let Some(cut) =
+        plan.grid.as_ref().and_then(|stages| stages.tree.as_ref()).map(|tree| tree.cut)
+        && cut > 0
+    {
+        output.say(&format!(
+            "the tree of global paths was bounded: {cut} branches were not followed to their end"
+        ));
+    }
     let plan = with_grid(plan, &scene, (start, goal), options(margin));
     let legs =
         to_legs(&plan.waypoints, start.heading, goal.heading, &leg_options(args), &DEFAULT_LIMITS);

@@ -149,6 +149,27 @@ fn exact_lengths_are_those_of_the_arenas_and_the_paper_s_are_not_far_off() {
     }
 }
 
+#[test]
+fn the_tree_among_eight_boxes_ends_within_its_bound_and_counts_what_it_cut() {
+    let mut scene = Scene::new(3.0, 3.0);
+    scene.obstacles = (0..8)
+        .map(|i| {
+            let (x, y) = (0.4 + 0.8 * f64::from(i % 3), 0.4 + 0.8 * f64::from(i / 3));
+            let shift = 0.05 * f64::from(i);
+            Rect::new(x + shift / 2.0, y + shift, x + 0.25, y + shift + 0.2)
+        })
+        .collect();
+    let ends = [Point::new(0.2, 0.2), Point::new(2.8, 2.8)];
+    let options = PlanOptions { planner: Planner::Tree, ..Default::default() };
+    let found = plan(&scene, ends[0], ends[1], &options).unwrap();
+    let tree = found.grid.unwrap().tree.unwrap();
+    // An area has at most eight children, and the last to grow may begin just below the limit.
+    assert!(tree.nodes.len() < NODE_LIMIT + 8 && !tree.arrivals.is_empty());
+    assert!(tree.cut > 0, "this many boxes have more paths than the limit");
+    let exact = plan(&scene, ends[0], ends[1], &PlanOptions::default()).unwrap();
+    assert!(found.length >= exact.length - 1e-9);
+}
+
 /// A first query searches by cones, the next ones use roads: both must give the length to 1e-9 of it.
 fn assert_exact(scene: &Scene, rows: &[(Point, Point, f64)]) {
     let options = PlanOptions::default();
