@@ -6,8 +6,8 @@
 //! arena. They are found by the cones of the search when a query first comes to the corner, and stay.
 //! A query looks around from its two ends and then runs A* over corners: no cone is cut twice.
 //!
-//! Deviation: the issue of repeated queries is mostly answered by merging pieces into larger convex
-//! ones, which halves the cones of a search. The roads leave none but those at the two ends.
+//! Why not larger pieces: merging the cells into larger convex ones, the usual cure, halves the cones of a
+//! search. Roads leave none but those around the two ends, on the same mesh.
 //!
 //! At a corner whose box fills the quadrant with the signs (sx, sy), a taut line runs in the sector
 //! between (sx, 0) and (0, −sy) or in that between (0, sy) and (−sx, 0): along the box's horizontal or
