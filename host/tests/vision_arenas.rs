@@ -1,8 +1,6 @@
 //! Arenas drawn in code (noise, a gradient of light, rotation, boxes anywhere) are found by both methods.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-#![allow(clippy::unwrap_used, reason = "what helps a test fails as a test does")]
-
 use host::geometry::{Arena, Point, Rect};
 use host::vision::{DetectOptions, Detection, Method, Photo, detect};
 use proptest::prelude::*;
