@@ -21,6 +21,7 @@ fn way(boxes: &[[i32; 4]], start: (i32, i32), goal: (i32, i32)) -> Option<Vec<(i
     let points = exact.shortest(start, goal);
     agrees(&arena, start, goal, points.as_deref()).unwrap();
     exact.expect_many(arena.inside);
+    exact.lay_roads();
     let by_roads = exact.shortest(start, goal);
     agrees(&arena, start, goal, by_roads.as_deref()).unwrap();
     points.map(|points| points.iter().map(|p| (p.x, p.y)).collect())
@@ -155,6 +156,7 @@ proptest! {
                 let points = exact.shortest(start, goal);
                 agrees(&arena, start, goal, points.as_deref())?;
                 exact.expect_many(arena.inside);
+                exact.lay_roads();
             }
         }
     }
