@@ -5,6 +5,7 @@ use super::error::VisionError;
 use super::lines::EdgeMap;
 use super::photo::Photo;
 use super::quads;
+use super::viewpoint::Viewpoint;
 use crate::geometry::Arena;
 
 /// Lines are sought in a picture reduced to about this width.
@@ -19,6 +20,8 @@ const LEAST_SCORE: f64 = 0.5;
 const SURE_SCORE: f64 = 0.93;
 /// How much a candidate's edges and size count beside the share of its profiles.
 const RANK_WEIGHT: f64 = 1.2;
+/// The misfit of a camera that no true border reaches, squared standard deviations.
+const MOST_MISFIT: f64 = 16.0;
 
 /// Finds the arena's border.
 ///
@@ -37,8 +40,14 @@ pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
         |[x, y]: [f64; 2]| [(x + 0.5) * factor as f64 - 0.5, (y + 0.5) * factor as f64 - 0.5];
     let candidates = quads::candidates(&edges, (small.width(), small.height()), arena);
     let mut best: Option<(f64, Border)> = None;
+    let mut odd: f64 = 0.0;
     for quad in &candidates {
         let Some(border) = border::find(photo, arena, quad.corners.map(full)) else { continue };
+        let misfit = Viewpoint::misfit(photo, &border.map);
+        if misfit > MOST_MISFIT {
+            odd = odd.max(border.score);
+            continue;
+        }
         // Candidates come likeliest first: one that shows the border nearly everywhere is it.
         let sure = border.score > SURE_SCORE;
         let value = border.score + RANK_WEIGHT * quad.rank;
@@ -53,6 +62,7 @@ pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
     let measured = best.as_ref().map_or(0.0, |border| border.score);
     match best.filter(|border| border.score >= LEAST_SCORE) {
         Some(border) => in_view(photo, arena, border),
+        None if odd >= LEAST_SCORE => Err(VisionError::OddBorder { arena }),
         None => Err(VisionError::NoBorder { arena, measured, needed: LEAST_SCORE }),
     }
 }

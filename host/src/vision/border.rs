@@ -10,14 +10,28 @@ use super::floor::{FloorModel, feature};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, plan_view};
+use super::viewpoint::Viewpoint;
 use crate::geometry::{Arena, Point};
 
 /// Cells along the arena's longer side from which the floor's colour is learnt.
 const FLOOR_CELLS: f64 = 160.0;
 /// How far inside and outside of the candidate's sides the floor's end is sought, share of the shorter side.
 const SEARCH_SHARE: f64 = 0.1;
+/// Hue tells the floor's end if it changes by this much (the two chroma axes of a feature), within this
+/// many samples from the side; the light of an edge is mixed over so many samples.
+const LEAST_HUE: f32 = 0.05;
+const HUE_REACH: usize = 20;
+const HUE_BLUR: usize = 4;
+/// It counts if it lies this many pixels from the step of light, at a width of 640.
+const COLOUR_SHIFT: f64 = 1.2;
+/// A difference between cameras' misfits that tells, squared standard deviations.
+const CLEAR_GAIN: f64 = 1.2;
+/// Reaches of the search for a wall's foot, pixels at a width of 640.
+const FOOT_REACH: [f64; 3] = [3.0, 2.0, 2.0];
 /// A colour this many standard deviations off is not floor.
 const FOREIGN: f32 = 6.0;
+/// A border's shadow on the floor is at most this deep, a natural logarithm.
+const DEEPEST: f32 = -1.0;
 /// At the floor's end the share of foreign colour rises by at least this.
 const LEAST_RISE: f64 = 0.3;
 /// The distance of samples across a side, pixels.
@@ -61,6 +75,9 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
         )?;
     }
     let score = fine.shares.iter().sum::<f64>() / 4.0;
+    if let Some(map) = by_colour(photo, arena, &fine.map) {
+        fine.map = map;
+    }
     Some(Border { map: fine.map, score, residual: fine.residual })
 }
 
@@ -122,6 +139,34 @@ fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> boo
     corners.into_iter().all(close) && RADIAL_RANGE.contains(&fitted.radial())
 }
 
+/// The map with those sides moved whose floor ends elsewhere by its colour than by its light, if any.
+///
+/// The greatest step may be that of a shadow on the floor or the top of a wall. Shadow has the floor's
+/// hue, and the faces of a wall have one hue; so where hues differ enough, the floor ends where the hue
+/// changes. What no camera could see is not believed.
+fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap) -> Option<PlanMap> {
+    let sides = Sides::measure(photo, map, arena)?;
+    let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
+    let least = COLOUR_SHIFT * (photo.width() as f64 / 640.0).max(1.0) / scale;
+    let shifts = sides.hue_ends().map(|end| end.filter(|shift| shift.abs() > least).unwrap_or(0.0));
+    if shifts == [0.0; 4] {
+        return None;
+    }
+    let better = moved(photo, arena, map, shifts)?;
+    let (before, after) = (Viewpoint::misfit(photo, map), Viewpoint::misfit(photo, &better));
+    if after + CLEAR_GAIN < before {
+        return Some(better);
+    }
+    // The top of a wall of one height all around is as good a rectangle as its foot: the inner one counts.
+    if shifts.iter().any(|&shift| shift <= 0.0) {
+        return None;
+    }
+    let zoom = (photo.width() as f64 / 640.0).max(1.0);
+    let change = Some(sides.changes(shifts));
+    let foot = refine(photo, arena, &better, &FOOT_REACH.map(|reach| reach * zoom), change)?.map;
+    (Viewpoint::misfit(photo, &foot) < before + CLEAR_GAIN).then_some(foot)
+}
+
 /// What is seen across the four sides.
 struct Sides {
     /// Metres inward of the samples, from inside to outside.
@@ -147,7 +192,8 @@ impl Sides {
                 for place in 0..PLACES / 2 {
                     let point = side_point(arena, side, align::along(2 * place), depth);
                     let light = photo.light(map.to_photo(point));
-                    foreign += usize::from(floor.difference(point, feature(light)).floor > FOREIGN);
+                    let residual = floor.residual(point, feature(light));
+                    foreign += usize::from(floor.off_any_shadow(residual, DEEPEST) > FOREIGN);
                     lights.iter_mut().zip(light).for_each(|(list, value)| list.push(value));
                 }
                 sides.foreign[side].push(foreign as f64 / (PLACES / 2) as f64);
@@ -175,6 +221,48 @@ impl Sides {
             *end = self.inward[index];
         }
         Some(ends)
+    }
+
+    /// Where the hue changes on each side, metres inward, if it does clearly.
+    fn hue_ends(&self) -> [Option<f64>; 4] {
+        [0, 1, 2, 3].map(|side| self.hue_end(side))
+    }
+
+    fn hue_end(&self, side: usize) -> Option<f64> {
+        let light = &self.light[side];
+        let zero = self.inward.iter().position(|&depth| depth <= 0.0)?;
+        let hue = |light: [f32; 3]| {
+            let [_, c, d] = feature(light);
+            [c, d]
+        };
+        let within = zero.checked_sub(HUE_REACH)?..light.len().min(zero + HUE_REACH);
+        let start = within.start;
+        let floor = hue(*light.get(start)?);
+        let far = |index: usize| {
+            let [c, d] = hue(light[index]);
+            (c - floor[0]).hypot(d - floor[1])
+        };
+        let most = within.clone().max_by(|&a, &b| far(a).total_cmp(&far(b)))?;
+        let contrast = far(most);
+        if contrast < LEAST_HUE {
+            return None;
+        }
+        let [c, d] = hue(light[most]);
+        let axis = [(c - floor[0]) / contrast, (d - floor[1]) / contrast];
+        let along = |light: [f32; 3]| {
+            let [c, d] = hue(light);
+            (c - floor[0]) * axis[0] + (d - floor[1]) * axis[1]
+        };
+        // The hue of light that is half floor and half border, both as bright as they are near by.
+        let lead = |index: usize| {
+            let (inside, outside) = (light[index - HUE_BLUR], light[index + HUE_BLUR]);
+            let half = [0, 1, 2].map(|channel| (inside[channel] + outside[channel]) / 2.0);
+            let clear = along(outside) - along(inside) > 0.5 * contrast;
+            clear.then(|| along(light[index]) - along(half))
+        };
+        let mut indices = start + HUE_BLUR..within.end.saturating_sub(HUE_BLUR);
+        let index = indices.find(|&index| lead(index).is_some_and(|lead| lead >= 0.0))?;
+        Some(self.inward[index])
     }
 
     /// The change of light across the floor's end on each side.
@@ -227,6 +315,30 @@ mod tests {
             [49.5, 39.5],
         ]) {
             assert!((found[0] - expected[0]).hypot(found[1] - expected[1]) < 0.2, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_shadow_along_a_wall_does_not_move_the_border() {
+        let pixels = (0..320 * 240).map(|i| {
+            let (x, y) = (i % 320, i / 320);
+            let frame = (40..280).contains(&x) && (30..210).contains(&y);
+            let floor = (50..270).contains(&x) && (40..200).contains(&y);
+            match (floor, frame) {
+                (true, _) if y < 44 => [126, 124, 120],
+                (true, _) => [225, 220, 212],
+                (_, true) => [90, 50, 25],
+                _ => [120, 120, 122],
+            }
+        });
+        let photo = Photo::from_rgb(320, 240, pixels.collect()).unwrap();
+        let arena = Arena { width: 2.2, height: 1.6 };
+        let outer = [[39.5, 209.5], [279.5, 209.5], [279.5, 29.5], [39.5, 29.5]];
+        let border = find(&photo, arena, outer).unwrap();
+        // The shadow's edge lies 4 pixels from the wall's.
+        for (found, y) in border.map.seen_corners(arena).into_iter().zip([199.5, 199.5, 39.5, 39.5])
+        {
+            assert!((found[1] - y).abs() < 1.0, "{found:?}");
         }
     }
 }

@@ -8,6 +8,7 @@
 
 use super::evidence::Evidence;
 use super::floor::Feature;
+use super::lamp::Lamp;
 use super::leaning::{Face, LeaningBox};
 use super::raster::Raster;
 use crate::geometry::{Point, Rect};
@@ -24,10 +25,9 @@ const RIM: f64 = 1.0;
 const RIM_SHARE: f32 = 0.5;
 /// A side this narrow, in cells, may be the blur of an edge.
 const BLURRED_WIDTH: f32 = 1.3;
-/// Two boxes may be one if the area around both is at most this much larger than theirs.
-const MERGE_FILL: f64 = 1.25;
-/// One box is better than several if it explains this share of what they do.
-const MERGE_SHARE: f32 = 0.85;
+/// What a cell of shadow costs that no box casts, and a lit cell where a box would cast shadow.
+const SHADOW_DOUBT: f32 = 0.35;
+const LIT_CHARGE: f32 = 0.35;
 /// What a cell of a side costs that cannot be told from the top.
 const SIDE_CHARGE: f32 = 0.35;
 /// A box gains at least what this many square metres of unexplained cells cost.
@@ -52,19 +52,21 @@ pub(crate) struct Search<'a> {
     pub(crate) evidence: &'a Evidence,
     /// The camera's foot point; `None` if boxes do not lean.
     pub(crate) foot: Option<Point>,
+    /// The lamp, if it is known: then boxes must explain all shadow.
+    pub(crate) lamp: Option<Lamp>,
 }
 
 /// A box with what it saves.
 #[derive(Clone, Copy, Debug)]
-struct Scored {
-    gain: f32,
-    seen: LeaningBox,
+pub(super) struct Scored {
+    pub(super) gain: f32,
+    pub(super) seen: LeaningBox,
 }
 
 impl Search<'_> {
     /// The boxes that explain the evidence best, from rectangles that may be outlines or tops.
     pub(crate) fn run(&self, proposals: &[Rect]) -> Vec<LeaningBox> {
-        let mut cost = self.evidence.background.clone();
+        let mut cost = self.unexplained();
         let mut found: Vec<LeaningBox> = Vec::new();
         let candidates: Vec<LeaningBox> =
             proposals.iter().flat_map(|&rect| self.readings(rect)).collect();
@@ -83,12 +85,39 @@ impl Search<'_> {
         found
     }
 
+    /// The cost of every cell before any box: what is not floor, and shadow that nothing casts.
+    pub(super) fn unexplained(&self) -> Raster<f32> {
+        let mut cost = self.evidence.background.clone();
+        if self.lamp.is_some() {
+            for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
+                *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
+            }
+        }
+        cost
+    }
+
+    /// Calls `visit` with the index of every cell that a box puts in shadow.
+    fn each_shaded(&self, seen: LeaningBox, mut visit: impl FnMut(usize)) {
+        let Some(lamp) = self.lamp else { return };
+        let Some(shadow) = lamp.shadow(seen) else { return };
+        let foot = self.foot();
+        let shade = self.evidence.shade.cells();
+        self.evidence.each_cell(shadow.bounds(lamp.foot), 1, |index, point| {
+            if shade[index] != 0.0
+                && shadow.face(point, lamp.foot).is_some()
+                && seen.face(point, foot).is_none()
+            {
+                visit(index);
+            }
+        });
+    }
+
     /// What a box must gain.
     fn least_gain(&self) -> f64 {
         LEAST_AREA * self.evidence.frame.scale * self.evidence.frame.scale
     }
 
-    fn foot(&self) -> Point {
+    pub(super) fn foot(&self) -> Point {
         let arena = self.evidence.frame.arena;
         self.foot.unwrap_or(Point::new(arena.width / 2.0, arena.height / 2.0))
     }
@@ -114,7 +143,7 @@ impl Search<'_> {
     /// Every box given the others; boxes that no longer gain enough are dropped.
     fn improve_all(&self, found: &mut Vec<LeaningBox>) {
         for index in (0..found.len()).rev() {
-            let mut cost = self.evidence.background.clone();
+            let mut cost = self.unexplained();
             for (other, &seen) in found.iter().enumerate() {
                 if other != index {
                     self.explain(&mut cost, seen);
@@ -131,7 +160,7 @@ impl Search<'_> {
     }
 
     /// Moves outline and lean in shrinking steps as long as the gain grows.
-    fn improve(&self, start: Scored, cost: &Raster<f32>) -> Scored {
+    pub(super) fn improve(&self, start: Scored, cost: &Raster<f32>) -> Scored {
         let mut best = start;
         for (cells, lean_step) in STEPS {
             let step = cells / self.evidence.frame.scale;
@@ -166,7 +195,7 @@ impl Search<'_> {
     }
 
     /// What a box saves against a cost of every cell.
-    fn gain(&self, seen: LeaningBox, cost: &Raster<f32>) -> f32 {
+    pub(super) fn gain(&self, seen: LeaningBox, cost: &Raster<f32>) -> f32 {
         let base = seen.base;
         let arena = self.evidence.frame.arena;
         let slack = 2.0 / self.evidence.frame.scale;
@@ -195,6 +224,11 @@ impl Search<'_> {
             let cells = faces[side as usize].cells;
             gain -= SIDE_CHARGE * cells * (1.0 - self.side_clarity(&faces, side, length));
         }
+        self.each_shaded(seen, |index| {
+            let (shade, cost) = (self.evidence.shade.cells()[index], cost.cells()[index]);
+            let saved = if shade > 0.0 { cost.min(SHADOW_DOUBT) } else { LIT_CHARGE * shade };
+            gain += self.evidence.weight.cells()[index] * saved;
+        });
         gain
     }
 
@@ -208,63 +242,13 @@ impl Search<'_> {
 
     /// What boxes explain together.
     pub(crate) fn explained(&self, found: &[LeaningBox]) -> f32 {
-        let mut cost = self.evidence.background.clone();
+        let mut cost = self.unexplained();
         let mut sum = 0.0;
         for &seen in found {
             sum += self.gain(seen, &cost) - self.least_gain() as f32;
             self.explain(&mut cost, seen);
         }
         sum
-    }
-
-    /// Replaces boxes that lie side by side by one around them where that explains nearly as much.
-    fn merge(&self, found: &mut Vec<LeaningBox>) {
-        let foot = self.foot();
-        let mut pair = (0, 1);
-        while pair.0 + 1 < found.len() {
-            let (a, b) = (found[pair.0].bounds(foot), found[pair.1].bounds(foot));
-            pair = match self.merged(found, a, b) {
-                Some(next) => {
-                    *found = next;
-                    (0, 1)
-                }
-                None if pair.1 + 1 < found.len() => (pair.0, pair.1 + 1),
-                None => (pair.0 + 1, pair.0 + 2),
-            };
-        }
-    }
-
-    /// The boxes with all that lie in the bounds of `a` and `b` replaced by one, if that is better.
-    fn merged(&self, found: &[LeaningBox], a: Rect, b: Rect) -> Option<Vec<LeaningBox>> {
-        let union = Rect::new(a.x0.min(b.x0), a.y0.min(b.y0), a.x1.max(b.x1), a.y1.max(b.y1));
-        let area = |r: Rect| (r.x1 - r.x0) * (r.y1 - r.y0);
-        if area(union) > MERGE_FILL * (area(a) + area(b)) {
-            return None;
-        }
-        let foot = self.foot();
-        let inside = |seen: &LeaningBox| {
-            let bounds = seen.bounds(foot);
-            let (w, h) = (
-                bounds.x1.min(union.x1) - bounds.x0.max(union.x0),
-                bounds.y1.min(union.y1) - bounds.y0.max(union.y0),
-            );
-            w > 0.0 && h > 0.0 && w * h > 0.8 * area(bounds)
-        };
-        let (parts, mut rest): (Vec<LeaningBox>, Vec<LeaningBox>) =
-            found.iter().copied().partition(inside);
-        let mut cost = self.evidence.background.clone();
-        rest.iter().for_each(|&seen| self.explain(&mut cost, seen));
-        let starts = parts.iter().map(|part| LeaningBox::within(union, foot, part.lean));
-        let improved =
-            starts.map(|seen| self.improve(Scored { gain: self.gain(seen, &cost), seen }, &cost));
-        let whole = improved.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
-        let mut apart = 0.0;
-        for &part in &parts {
-            apart += self.gain(part, &cost);
-            self.explain(&mut cost, part);
-        }
-        rest.push(whole.seen);
-        (whole.gain > MERGE_SHARE * apart).then_some(rest)
     }
 
     /// The mean colour and size of each face; cells that are likely background hardly count.
@@ -287,13 +271,19 @@ impl Search<'_> {
     }
 
     /// Lowers the cost of the cells that a box explains.
-    fn explain(&self, cost: &mut Raster<f32>, seen: LeaningBox) {
+    pub(super) fn explain(&self, cost: &mut Raster<f32>, seen: LeaningBox) {
         let faces = self.faces(seen, cost);
         self.each_cell(seen, |index, face, rim| {
             let of_face =
                 face_cost(self.evidence.features.cells()[index], faces[face as usize].colour);
             let cell = &mut cost.cells_mut()[index];
             *cell = cell.min(if rim { 0.0 } else { of_face });
+        });
+        self.each_shaded(seen, |index| {
+            if self.evidence.shade.cells()[index] > 0.0 {
+                cost.cells_mut()[index] =
+                    cost.cells()[index].min(self.evidence.background.cells()[index]);
+            }
         });
     }
 
@@ -358,14 +348,14 @@ mod tests {
         });
         let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
         let weight = Raster::filled(width, height, 1.0);
-        Evidence { frame, features, background, weight }
+        Evidence { frame, features, background, weight, shade: Raster::filled(width, height, 0.0) }
     }
 
     #[test]
     fn base_and_lean_are_found_from_a_rough_outline() {
         let truth = LeaningBox { base: Rect::new(1.4, 0.6, 1.6, 0.8), lean: 1.12 };
         let evidence = evidence(&[truth]);
-        let found = Search { evidence: &evidence, foot: Some(FOOT) }
+        let found = Search { evidence: &evidence, foot: Some(FOOT), lamp: None }
             .run(&[Rect::new(1.38, 0.6, 1.7, 0.86)]);
         assert_eq!(found.len(), 1);
         let errors: Vec<f64> = <[f64; 4]>::from(found[0].base)
@@ -379,7 +369,7 @@ mod tests {
     #[test]
     fn an_empty_floor_has_no_boxes() {
         let evidence = evidence(&[]);
-        let search = Search { evidence: &evidence, foot: Some(FOOT) };
+        let search = Search { evidence: &evidence, foot: Some(FOOT), lamp: None };
         assert!(search.run(&[Rect::new(0.3, 0.3, 0.6, 0.6)]).is_empty());
     }
 }

@@ -147,7 +147,8 @@ pub fn detect(
     let mut warnings = Vec::new();
     let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
-    warnings.extend(hard_floor(look.floor.spread[0], look.floor.shadow));
+    warnings
+        .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
     let top = robot::find(photo, &map, &look, options.robot_radius);
     let steps = options.keep_steps.then(|| steps(photo, &map, arena, options.robot_radius));
     let viewpoint = match &options.camera {
@@ -161,8 +162,12 @@ pub fn detect(
     let robot = top.map(|top| {
         let seen = top.radius / options.robot_radius;
         let leans = found.leans.unwrap_or(seen > LEANING_ROBOT);
-        let lean =
-            viewpoint.filter(|_| leans).map(|view| (view.foot, robot_lean(view, options, seen)));
+        let lean = viewpoint.filter(|_| leans).map(|view| {
+            let guess = robot_lean(view, options, seen);
+            let shown = || robot::shown_lean(photo, &map, top, view.foot, options.robot_radius);
+            let lean = if options.camera.is_some() { None } else { shown() };
+            (view.foot, lean.unwrap_or(guess))
+        });
         Pose {
             position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
             heading: top.heading,

@@ -103,6 +103,12 @@ pub enum VisionError {
         /// The least score.
         needed: f64,
     },
+    /// What looks like the border is not a rectangle of the stated size seen by any camera.
+    #[error("what looks like the border is no rectangle of {} x {} m seen by any camera: a box, shadow or wall top hides part of it, or the size is wrong; clear the border, check the size, or give --corners", .arena.width, .arena.height)]
+    OddBorder {
+        /// The arena that was looked for.
+        arena: Arena,
+    },
     /// A corner of the arena lies outside the photo.
     #[error("the arena is partly out of view: corner {corner} lies at pixel ({:.0}, {:.0}); move the camera so that all four corners are seen", .pixel[0], .pixel[1])]
     OutOfView {

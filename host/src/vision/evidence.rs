@@ -4,28 +4,34 @@
 //! not). Beyond the arena's sides the background is the border: its colour at every distance from a
 //! side is the median along that side, so that a box that leans over the border is seen against it.
 
+use super::floor::Difference;
 use super::floor::{Feature, feature, median};
-use super::look::{FOREIGN, Look};
+use super::look::{FOREIGN, Look, SURE};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, plan_view};
 use super::raster::Raster;
 use super::robot::RobotTop;
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Arena, Point, Rect};
 
 /// Cells per metre at most, and cells along the longer side at most.
 const COARSE_SCALE: f64 = 110.0;
 const COARSE_CELLS: f64 = 300.0;
 /// A border's colour varies by this much (brightness, chroma, chroma).
 const BORDER_SPREAD: Feature = [0.12, 0.06, 0.06];
-/// A colour within this many standard deviations of the floor's is surely floor.
-const SURE: f32 = 2.5;
+/// Blur beside lit floor is at most this deep, a natural logarithm.
+const DEEPEST: f32 = -1.5;
+/// Half shadow lies this close to lit floor and to full shadow, metres.
+const HALF_SHADOW: f64 = 0.03;
 /// Cells within which a shadow touches what casts it.
 const TOUCH: i64 = 2;
 /// Cells this close to the border are blurred with it.
 const BORDER_BLUR: f64 = 1.2;
 /// Cells beyond the border say less, because what lies there is not known.
 const OUTSIDE_WEIGHT: f32 = 0.4;
+/// The shadows of the border and of the robot reach this far: metres, and radii of the robot.
+const BORDER_SHADOW: f64 = 0.08;
+const ROBOT_SHADOW: f64 = 2.5;
 /// How much larger than the robot's top the disc is in which nothing counts.
 const ROBOT_RIM: f64 = 1.2;
 
@@ -37,28 +43,51 @@ pub(crate) struct Evidence {
     pub(crate) background: Raster<f32>,
     /// How much a cell counts.
     pub(crate) weight: Raster<f32>,
+    /// How surely a cell is floor in shadow (up to 1) or lit floor (down to −1); 0 if it is neither.
+    pub(crate) shade: Raster<f32>,
 }
 
 impl Evidence {
-    pub(crate) fn of(photo: &Photo, map: &PlanMap, look: &Look, robot: Option<RobotTop>) -> Self {
+    /// The evidence of a picture; without `shadows` nothing but the robot casts any.
+    pub(crate) fn of(
+        photo: &Photo,
+        map: &PlanMap,
+        look: &Look,
+        robot: Option<RobotTop>,
+        shadows: bool,
+    ) -> Self {
         let arena = look.frame.arena;
         let scale =
             COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale);
         let frame = PlanFrame { scale, ..look.frame };
         let features = plan_view(photo, map, &frame).map(feature);
         let borders = border_colours(&frame, &features);
-        let lonely = lonely_shadow(&frame, &features, look, robot);
+        let judged = judge(&frame, &features, look);
+        let half = half_shadow(&frame, &judged);
+        // Without shadow, what is half dark beside lit floor is the blur of an edge.
+        let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
+        let lonely = lonely_shadow(&frame, &judged, robot);
         let width = features.width();
         let background = Raster::from_fn(width, features.height(), |column, row| {
             let point = frame.point(column as f64, row as f64);
-            let seen = features.cells()[row * width + column];
+            let index = row * width + column;
+            let seen = features.cells()[index];
             let distance = match outside(arena, point) {
                 None => {
-                    let difference = look.floor.difference(point, seen);
-                    let distance = if lonely.cells()[row * width + column] {
+                    let difference = judged.cells()[index];
+                    let of_robot = robot
+                        .is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+                    let blurred = !(shadows && look.floor.shadow.is_some()) && rim.cells()[index];
+                    let distance = if lonely.cells()[index] {
+                        difference.lit
+                    } else if blurred {
+                        look.floor.off_any_shadow(look.floor.residual(point, seen), DEEPEST)
+                    } else if of_robot || shadows && half.cells()[index] {
+                        difference.floor
+                    } else if !shadows {
                         difference.lit
                     } else {
-                        difference.floor
+                        difference.lit.min(difference.core)
                     };
                     ((distance - SURE) / (FOREIGN - SURE)).max(0.0)
                 }
@@ -80,7 +109,33 @@ impl Evidence {
                 None => 1.0,
             }
         });
-        Self { frame, features, background, weight }
+        let shade = shade(&frame, &judged, robot);
+        Self { frame, features, background, weight, shade }
+    }
+
+    /// The floor point of a cell by its index.
+    pub(crate) fn point(&self, index: usize) -> Point {
+        let width = self.features.width();
+        self.frame.point((index % width) as f64, (index / width) as f64)
+    }
+
+    /// Calls `visit` with the index and the floor point of every `stride`-th cell within bounds in metres.
+    pub(crate) fn each_cell(
+        &self,
+        bounds: Rect,
+        stride: usize,
+        mut visit: impl FnMut(usize, Point),
+    ) {
+        let (left, upper) = self.frame.cell(Point::new(bounds.x0, bounds.y1));
+        let (right, lower) = self.frame.cell(Point::new(bounds.x1, bounds.y0));
+        let (width, height) = (self.features.width(), self.features.height());
+        let first = |edge: f64| edge.ceil().max(0.0) as usize;
+        let after = |edge: f64, length: usize| ((edge.floor() + 1.0).max(0.0) as usize).min(length);
+        for row in (first(upper)..after(lower, height)).step_by(stride) {
+            for column in (first(left)..after(right, width)).step_by(stride) {
+                visit(row * width + column, self.frame.point(column as f64, row as f64));
+            }
+        }
     }
 
     /// The cells on the arena that are hardly background.
@@ -96,17 +151,47 @@ impl Evidence {
     }
 }
 
+/// How every cell differs from the floor's colours.
+fn judge(frame: &PlanFrame, features: &Raster<Feature>, look: &Look) -> Raster<Difference> {
+    let width = features.width();
+    Raster::from_fn(width, features.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let difference = look.floor.difference(point, features.cells()[row * width + column]);
+        if look.is_bright_floor(point) { difference.at_most(1.0) } else { difference }
+    })
+}
+
+/// The cells that may be half in shadow: lit floor and full shadow are both near.
+fn half_shadow(frame: &PlanFrame, judged: &Raster<Difference>) -> Raster<bool> {
+    let reach = (HALF_SHADOW * frame.scale).ceil().max(2.0) as i64;
+    let lit = widened(&judged.map(|difference| difference.lit < SURE), reach);
+    let core = widened(&judged.map(|difference| difference.core < SURE), reach);
+    let width = judged.width();
+    Raster::from_fn(width, judged.height(), |column, row| {
+        lit.cells()[row * width + column] && core.cells()[row * width + column]
+    })
+}
+
+/// The cells within `reach` columns and rows of a marked one.
+fn widened(mask: &Raster<bool>, reach: i64) -> Raster<bool> {
+    let along = |mask: &Raster<bool>, (i, j): (i64, i64)| {
+        Raster::from_fn(mask.width(), mask.height(), |column, row| {
+            (-reach..=reach)
+                .any(|k| mask.get(column as i64 + k * i, row as i64 + k * j) == Some(true))
+        })
+    };
+    along(&along(mask, (1, 0)), (0, 1))
+}
+
 /// Cells as dark as shadow in patches that touch nothing that could cast one: no box, border or robot.
 fn lonely_shadow(
     frame: &PlanFrame,
-    features: &Raster<Feature>,
-    look: &Look,
+    judged: &Raster<Difference>,
     robot: Option<RobotTop>,
 ) -> Raster<bool> {
-    let (width, height) = (features.width(), features.height());
+    let (width, height) = (judged.width(), judged.height());
     let judged = |column: usize, row: usize| {
-        let point = frame.point(column as f64, row as f64);
-        (point, look.floor.difference(point, features.cells()[row * width + column]))
+        (frame.point(column as f64, row as f64), judged.cells()[row * width + column])
     };
     let dark = Raster::from_fn(width, height, |column, row| {
         let (point, difference) = judged(column, row);
@@ -132,6 +217,27 @@ fn lonely_shadow(
         }
     }
     patches.map(|patch| patch > 0 && !cast[patch as usize])
+}
+
+/// How surely cells are floor in shadow or lit floor; the shadow of border and robot says nothing.
+fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>) -> Raster<f32> {
+    let width = judged.width();
+    Raster::from_fn(width, judged.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let of_robot =
+            robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+        if of_robot || inside(frame.arena, point) < BORDER_SHADOW {
+            return 0.0;
+        }
+        let difference = judged.cells()[row * width + column];
+        if difference.lit < SURE {
+            -1.0
+        } else if difference.lit > FOREIGN {
+            ((FOREIGN - difference.core) / (FOREIGN - SURE)).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    })
 }
 
 /// The side (0 left, 1 lower, 2 right, 3 upper) that a point lies beyond and how far; `None` on the arena.

@@ -3,11 +3,13 @@
 //! Colours are compared as logarithms of linear light, turned to brightness and two chroma axes: a
 //! weaker light then shifts the brightness alone. The floor is a polynomial of order up to 4 in x
 //! and y, fitted with re-weighting from the densest colour on, so that boxes do not pull it. Its
-//! residuals give the tolerance; wood, tiles and speckle thereby widen it by themselves.
+//! residuals give the tolerance; wood, tiles and speckle thereby widen it by themselves. How shadow
+//! differs is found by [`super::shadow`].
 //!
 //! Deviation: the paper takes pixels near white for floor [Alghannam, Sec. II.A]; uneven light, coloured
 //! floors and shadows need the model.
 
+use super::shadow::{DEPTH_TOLERANCE, Shadow};
 use crate::geometry::{Arena, Point};
 use nalgebra::{DMatrix, DVector};
 
@@ -18,17 +20,12 @@ pub(crate) type Feature = [f32; 3];
 const DARK_LEVEL: f32 = 0.03;
 /// The least tolerance (one standard deviation) of brightness and of chroma.
 const LEAST_SPREAD: [f32; 3] = [0.02, 0.016, 0.016];
-/// Shadow is darker than lit floor by at most this factor's logarithm.
-const DEEPEST_SHADOW: f32 = -1.5;
+/// Shadow is darker than lit floor by this many of the floor's standard deviations.
+const LEAST_DEPTH: f32 = 5.0;
+/// Shadow of unknown depth may be tinted by this share of it.
+const TINT: f32 = 0.3;
 /// Chroma in shadow is noisier than on lit floor, and light from other places tints it.
 const SHADOW_CHROMA: f32 = 2.5;
-/// Shadow is at least this share of the floor, and its deepest part this share of its usual depth's cells.
-const LEAST_SHADOW: f64 = 0.0015;
-const DEEPER_SHARE: f64 = 0.12;
-/// Soft shadow has all darknesses from lit floor on, each in at least this share of the most frequent;
-/// it is soft if these are this share of all that is dark.
-const GAP_SHARE: f64 = 0.08;
-const SOFT_SHARE: f64 = 0.4;
 /// The terms of a polynomial of order 4 in two variables.
 const MOST_TERMS: usize = 15;
 /// The order of the polynomial and the width of the inliers (standard deviations) in each round.
@@ -51,8 +48,8 @@ pub(crate) struct FloorModel {
     coefficients: [[f64; MOST_TERMS]; 3],
     /// Standard deviations of the three parts of the feature.
     pub(crate) spread: [f32; 3],
-    /// How much darker shadow is than lit floor (a negative logarithm), if there is shadow.
-    pub(crate) shadow: Option<f32>,
+    /// How shadow differs from lit floor, if there is shadow.
+    pub(crate) shadow: Option<Shadow>,
 }
 
 /// How a colour differs from the floor's, in standard deviations.
@@ -62,6 +59,15 @@ pub(crate) struct Difference {
     pub(crate) lit: f32,
     /// From lit floor, shadow or anything between, whichever is nearest.
     pub(crate) floor: f32,
+    /// From full shadow; infinite if there is no shadow.
+    pub(crate) core: f32,
+}
+
+impl Difference {
+    /// The same, but no more than `most`.
+    pub(crate) fn at_most(self, most: f32) -> Self {
+        Self { lit: self.lit.min(most), floor: self.floor.min(most), core: self.core }
+    }
 }
 
 impl FloorModel {
@@ -83,7 +89,6 @@ impl FloorModel {
         for (order, width) in ROUNDS {
             model.refit(&samples, (order + 1) * (order + 2) / 2, width);
         }
-        model.shadow = model.shadow_depth(&samples);
         Some(model)
     }
 
@@ -103,22 +108,64 @@ impl FloorModel {
 
     /// How a colour seen at a point differs from the floor's.
     pub(crate) fn difference(&self, point: Point, seen: Feature) -> Difference {
-        self.difference_of(self.residual(point, seen))
+        let lit = self.lit(point);
+        let residual = [seen[0] - lit[0], seen[1] - lit[1], seen[2] - lit[2]];
+        let mut difference = self.difference_of(residual);
+        if let Some(shadow) = self.shadow {
+            let offset = shadow.at(lit);
+            if self.tells_shadow(offset) {
+                difference.core = self.off_shadow(residual, offset);
+            }
+            difference.floor = difference.lit.min(self.between(residual, offset));
+        }
+        difference
     }
 
-    /// How a residual differs from the floor's colour.
+    /// How a residual differs from that of lit floor.
     pub(crate) fn difference_of(&self, residual: Feature) -> Difference {
         let [b, c, d] = [0, 1, 2].map(|part| residual[part] / self.spread[part]);
         let lit = (b * b + c * c + d * d).sqrt();
-        let Some(depth) = self.shadow else { return Difference { lit, floor: lit } };
-        let beyond = if residual[0] < 1.15 * depth {
-            residual[0] - 1.15 * depth
-        } else {
-            residual[0].max(0.0)
-        };
-        let widened = 1.0 + (SHADOW_CHROMA - 1.0) * (residual[0] / depth).clamp(0.0, 1.0);
-        let (b, c, d) = (beyond / self.spread[0], c / widened, d / widened);
-        Difference { lit, floor: lit.min((b * b + c * c + d * d).sqrt()) }
+        Difference { lit, floor: lit, core: f32::INFINITY }
+    }
+
+    /// Whether shadow of an offset can be told from lit floor.
+    pub(crate) fn tells_shadow(&self, offset: Feature) -> bool {
+        -offset[0] > LEAST_DEPTH * self.spread[0]
+    }
+
+    /// How far a point is from the nearest side of the floor, metres.
+    pub(crate) fn inside(&self, point: Point) -> f64 {
+        let Arena { width, height } = self.arena;
+        point.x.min(point.y).min(width - point.x).min(height - point.y)
+    }
+
+    /// How a residual differs from full shadow with an offset, in standard deviations.
+    pub(crate) fn off_shadow(&self, residual: Feature, offset: Feature) -> f32 {
+        let slack = DEPTH_TOLERANCE * -offset[0];
+        let beyond = ((residual[0] - offset[0]).abs() - slack).max(0.0);
+        self.shaded([beyond, residual[1] - offset[1], residual[2] - offset[2]], 1.0)
+    }
+
+    /// How a residual differs from anything between lit floor and a little more than full shadow.
+    fn between(&self, residual: Feature, offset: Feature) -> f32 {
+        let share = (residual[0] / offset[0]).clamp(0.0, 1.0 + DEPTH_TOLERANCE);
+        let part = |part: usize| residual[part] - share.min(1.0) * offset[part];
+        self.shaded([residual[0] - share * offset[0], part(1), part(2)], share.min(1.0))
+    }
+
+    /// How a residual differs from floor in shadow of any depth down to `deepest`.
+    pub(crate) fn off_any_shadow(&self, residual: Feature, deepest: f32) -> f32 {
+        let depth = residual[0].clamp(deepest, 0.0);
+        let part = |part: usize| (residual[part].abs() + TINT * depth).max(0.0);
+        self.shaded([residual[0] - depth, part(1), part(2)], (depth / -0.5).min(1.0))
+    }
+
+    /// The length of a difference in standard deviations, those of chroma widened by the share of shadow.
+    fn shaded(&self, [b, c, d]: Feature, share: f32) -> f32 {
+        let widened = 1.0 + (SHADOW_CHROMA - 1.0) * share;
+        let parts =
+            [b / self.spread[0], c / (widened * self.spread[1]), d / (widened * self.spread[2])];
+        parts.iter().map(|part| part * part).sum::<f32>().sqrt()
     }
 
     fn monomials(&self, point: Point) -> [f64; MOST_TERMS] {
@@ -180,41 +227,6 @@ impl FloorModel {
             self.spread[part] = (1.4826 * median(&mut inliers[part])).max(LEAST_SPREAD[part]);
         }
     }
-
-    /// How dark shadow is: the darkness that most neutral dark cells have, deep ones counting more
-    /// because light falls off towards a shadow's rim, and from there on as long as there are many.
-    fn shadow_depth(&self, samples: &[(Point, Feature)]) -> Option<f32> {
-        const BINS: usize = 30;
-        let mut counts = [0u32; BINS];
-        let least = -(5.0 * self.spread[0]).max(0.12);
-        for &(point, seen) in samples {
-            let [dark, c, d] = self.residual(point, seen);
-            let neutral = c.abs() < (4.0 * self.spread[1]).max(0.07)
-                && d.abs() < (4.0 * self.spread[2]).max(0.09);
-            if neutral && dark < least && dark > DEEPEST_SHADOW {
-                counts[((dark / DEEPEST_SHADOW * BINS as f32) as usize).min(BINS - 1)] += 1;
-            }
-        }
-        let first = (least / DEEPEST_SHADOW * BINS as f32) as usize;
-        let greatest = f64::from(*counts.iter().max()?);
-        let mut pairs =
-            counts.iter().enumerate().skip(first + 1).zip(counts.iter().skip(first + 2));
-        let end = pairs
-            .find(|((_, here), next)| f64::from(**here + **next) < GAP_SHARE * 2.0 * greatest)
-            .map_or(BINS, |((bin, _), _)| bin);
-        let sum = |counts: &[u32]| f64::from(counts.iter().sum::<u32>());
-        let end = if sum(&counts[..end]) < SOFT_SHARE * sum(&counts) { BINS } else { end };
-        let (mode, &most) = counts[..end]
-            .iter()
-            .enumerate()
-            .max_by_key(|(bin, count)| (2 * *bin as u32 + 1) * **count)?;
-        let deeper = counts[mode..]
-            .iter()
-            .take_while(|&&count| f64::from(count) > DEEPER_SHARE * f64::from(most));
-        let (bins, total) = deeper.fold((0, 0), |(bins, total), count| (bins + 1, total + count));
-        let enough = f64::from(total) > LEAST_SHADOW * samples.len() as f64;
-        enough.then(|| (mode as f32 + bins as f32 - 0.5) / BINS as f32 * DEEPEST_SHADOW)
-    }
 }
 
 /// The centre of the fullest cell of colour space.
@@ -271,13 +283,16 @@ mod tests {
 
     #[test]
     fn the_model_follows_the_floor_and_knows_boxes_and_shadow() {
-        let model = FloorModel::fit(ARENA, &samples()).unwrap();
+        let mut model = FloorModel::fit(ARENA, &samples()).unwrap();
+        model.shadow = Some(Shadow { offset: [-0.65, 0.0, 0.0], even: None });
         let point = Point::new(1.5, 0.5);
         assert!(model.difference(point, feature([floor_light(point); 3])).lit < 1.0);
         let dark = model.difference(point, feature([0.04; 3]));
         assert!(dark.floor > 10.0);
         let shade = model.difference(point, feature([0.5 * floor_light(point); 3]));
-        assert!(shade.lit > 10.0 && shade.floor < 1.5, "{shade:?} {model:?}");
+        assert!(shade.lit > 10.0 && shade.floor < 1.5 && shade.core < 1.5, "{shade:?} {model:?}");
+        let half = model.difference(point, feature([0.75 * floor_light(point); 3]));
+        assert!(half.floor < 1.5 && half.core > 6.0, "{half:?}");
     }
 
     #[test]

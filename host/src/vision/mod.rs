@@ -4,7 +4,7 @@
 //! bytes ─► photo ─► lines ─► quads ─► border ─► plan map ─► look (floor, shadow) ─► robot
 //!                                        ▲                    │
 //!                          camera, corners                    ├─► paper steps (edges … borders) ─► rectangles
-//!                                                             └─► evidence ─► boxes (lean) ─► sharpen
+//!                                                             └─► evidence ─► boxes (lean, lamp) ─► sharpen
 //!                                                                                               │
 //!                                                    Detection: metres, with margins ◄──────────┘
 //! ```
@@ -29,10 +29,12 @@ mod error;
 mod evidence;
 mod faults;
 mod floor;
+mod lamp;
 mod leaning;
 mod lines;
 mod look;
 mod mask;
+mod merging;
 mod paper;
 mod photo;
 mod plan_map;
@@ -45,6 +47,7 @@ mod rectangles;
 mod robot;
 mod robust;
 mod runs;
+mod shadow;
 mod sharpen;
 mod stereo;
 mod viewpoint;

@@ -6,6 +6,8 @@ const HALF_WIDTH: usize = 2;
 /// The least derivative that is a step, share of the expected change or linear light.
 const LEAST_EXPECTED: f32 = 0.2;
 const LEAST_ANY: f32 = 0.01;
+/// Steps of more than this share of the expected change count less.
+const GREATEST: f32 = 1.1;
 
 /// Where the light changes most along `lights`, as an index with a fraction.
 ///
@@ -28,7 +30,11 @@ pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64>
         .enumerate()
         .filter(|(_, w)| w[1] >= w[0] && w[1] > w[2])
         .map(|(i, w)| (i + 1, w[1]));
-    let (best, peak) = peaks.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    // A step much greater than the expected one is another edge, such as that of a shadow.
+    let fitting = |peak: f32| {
+        if change.is_some() && peak > GREATEST { GREATEST * GREATEST / peak } else { peak }
+    };
+    let (best, peak) = peaks.max_by(|a, b| fitting(a.1).total_cmp(&fitting(b.1)))?;
     let least = if change.is_some() { LEAST_EXPECTED } else { LEAST_ANY };
     if peak < least {
         return None;

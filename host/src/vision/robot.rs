@@ -30,6 +30,14 @@ const LEAST_DIRECTIONS: u32 = 13;
 const MOST_CENTRES: usize = 12;
 /// The share of the disc's variance that triangle and rest explain.
 const LEAST_EXPLAINED: f64 = 0.42;
+/// The robot's top leans by at most this; leans that are tried.
+const LEAN_RANGE: f64 = 0.05;
+const LEAN_STEPS: usize = 50;
+/// The arc of the base that faces the camera, radians to each side, and the width of its edge, pixels.
+const BASE_ARC: f64 = 0.9;
+const BASE_BLUR: f64 = 0.8;
+/// The least step at the base's edge: the square root of a difference of features.
+const LEAST_CLARITY: f32 = 0.4;
 /// Headings tried first.
 const HEADINGS: usize = 72;
 /// The least radius in cells at which a triangle can be made out.
@@ -255,6 +263,42 @@ fn robust_circle(
     (radius.is_finite() && radius > 0.0).then_some((centre, radius))
 }
 
+/// The lean of the robot's top, from the edge of its base that faces the camera's foot point, if that
+/// is seen apart from the top's.
+pub(crate) fn shown_lean(
+    photo: &Photo,
+    map: &PlanMap,
+    top: RobotTop,
+    foot: Point,
+    radius: f64,
+) -> Option<f64> {
+    const RAYS: usize = 31;
+    let (dx, dy) = (foot.x - top.centre.x, foot.y - top.centre.y);
+    let (distance, towards) = (dx.hypot(dy), dy.atan2(dx));
+    let half = BASE_BLUR / map.scale_at(top.centre).max(1.0);
+    let clarity = |lean: f64| {
+        let base = on_circle(top.centre, distance * (1.0 - 1.0 / lean), towards);
+        let ray = |ray: usize| {
+            let angle = towards + BASE_ARC * (2.0 * ray as f64 / (RAYS - 1) as f64 - 1.0);
+            // Where the base shows less than this much of itself beside the top, their edges blur together.
+            let apart = on_circle(base, radius, angle).distance(top.centre) - lean * radius;
+            let [inside, outside] = [radius - half, radius + half]
+                .map(|r| feature(photo.light(map.to_photo(on_circle(base, r, angle)))));
+            let step = (0..3).map(|part| (inside[part] - outside[part]).powi(2)).sum::<f32>();
+            (apart > 2.0 * half).then_some(step.powf(0.25))
+        };
+        let seen: Vec<f32> = (0..RAYS).filter_map(ray).collect();
+        let enough = seen.len() > RAYS / 3;
+        enough.then(|| seen.iter().sum::<f32>() / seen.len() as f32)
+    };
+    let tried = (0..LEAN_STEPS).filter_map(|i| {
+        let lean = 1.0 + LEAN_RANGE * (i + 1) as f64 / LEAN_STEPS as f64;
+        clarity(lean).map(|clear| (lean, clear))
+    });
+    let (lean, clear) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (clear > LEAST_CLARITY).then_some(lean)
+}
+
 /// The heading whose triangle splits the disc's colours best, and the share of variance it explains.
 fn heading(
     photo: &Photo,
@@ -380,5 +424,34 @@ mod tests {
         let (photo, map) = drawn(None);
         let look = Look::at(&photo, &map, ARENA).unwrap();
         assert_eq!(find(&photo, &map, &look, 0.075), None);
+    }
+
+    #[test]
+    fn the_base_beside_the_top_shows_how_the_top_leans() {
+        const LEAN: f64 = 1.03;
+        let (foot, base) = (Point::new(0.2, 0.3), Point::new(1.2, 0.8));
+        let top = Point::new(foot.x + LEAN * (base.x - foot.x), foot.y + LEAN * (base.y - foot.y));
+        let pixels = (0..450 * 360).map(|i| {
+            let point = Point::new((i % 450) as f64 / 300.0, 1.2 - (i / 450) as f64 / 300.0);
+            // The side is what the disc sweeps on its way from the base to the top.
+            let swept = (0..=10).any(|step| {
+                let share = f64::from(step) / 10.0;
+                let x = base.x + share * (top.x - base.x);
+                let y = base.y + share * (top.y - base.y);
+                point.distance(Point::new(x, y)) < 0.075 * (1.0 + share * (LEAN - 1.0))
+            });
+            match point.distance(top) < LEAN * 0.075 {
+                true => [200, 90, 40],
+                false if swept => [90, 40, 20],
+                false => [225; 3],
+            }
+        });
+        let photo = Photo::from_rgb(450, 360, pixels.collect()).unwrap();
+        let corners = [[0.0, 360.0], [450.0, 360.0], [450.0, 0.0], [0.0, 0.0]];
+        let map = PlanMap::from_corners(&photo, ARENA, corners, 0.0).unwrap();
+        let top = RobotTop { centre: top, radius: LEAN * 0.075, heading: 0.0, certainty: 1.0 };
+        let lean = shown_lean(&photo, &map, top, foot, 0.075).unwrap();
+        // A pixel is 3 mm on 1.1 m.
+        assert!((lean - LEAN).abs() < 0.003, "{lean}");
     }
 }

@@ -6,6 +6,8 @@
 
 use super::boxes::Search;
 use super::evidence::Evidence;
+use super::lamp::Lamp;
+use super::leaning::LeaningBox;
 use super::look::Look;
 use super::photo::Photo;
 use super::plan_map::PlanMap;
@@ -13,11 +15,16 @@ use super::proposals::proposals;
 use super::robot::RobotTop;
 use super::sharpen::{Bounded, Sharpener};
 use super::viewpoint::Viewpoint;
-use crate::geometry::Rect;
+use crate::geometry::{Arena, Point, Rect};
 
 /// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
 const LEAN_GAIN: f32 = 0.012;
 const SHOWN_WEIGHT: f32 = 0.03;
+
+/// The face of a wall, or its blur, is at most this wide, metres; a gap as narrow leads nowhere.
+const WALL_FACE: f64 = 0.035;
+/// Shadow of this many square metres matters.
+const LEAST_SHADE: f64 = 0.002;
 
 /// The boxes of a picture.
 pub(crate) struct Found {
@@ -37,29 +44,93 @@ pub(crate) fn find(
     robot: Option<RobotTop>,
     viewpoint: Option<Viewpoint>,
 ) -> Found {
-    let evidence = Evidence::of(photo, map, look, robot);
-    let rects = proposals(&evidence);
-    let upright = Search { evidence: &evidence, foot: None };
-    let flat = upright.run(&rects);
-    let foot = viewpoint.map(|view| view.foot);
-    let search = Search { evidence: &evidence, foot };
-    let rects: Vec<Rect> = rects.into_iter().chain(flat.iter().map(|seen| seen.base)).collect();
-    let leaning = search.run(&rects);
-    let sharpener = Sharpener { photo, map, look, foot };
-    let shown = leaning.iter().filter(|&&seen| sharpener.shows_lean(seen)).count();
-    let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
-    let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
-    let any = !(flat.is_empty() && leaning.is_empty());
-    let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
-    let tools = Sharpener { foot, ..sharpener };
-    let boxes = boxes.into_iter().map(|seen| tools.sharpen(seen)).collect();
-    Found { boxes, leans: any.then_some(leans) }
+    let evidence = Evidence::of(photo, map, look, robot, true);
+    let first = Scene::explain(photo, map, look, viewpoint, &evidence);
+    let doubtful = first.lamp.is_none() && first.unexplained_shade(&evidence);
+    if doubtful {
+        // Shadow that no lamp explains may be boxes as dark as shadow: they must not be lost.
+        let evidence = Evidence::of(photo, map, look, robot, false);
+        return Scene::explain(photo, map, look, viewpoint, &evidence).finish(photo, map, look);
+    }
+    first.finish(photo, map, look)
+}
+
+/// The explanation of a picture.
+struct Scene {
+    boxes: Vec<LeaningBox>,
+    foot: Option<Point>,
+    lamp: Option<Lamp>,
+    leans: Option<bool>,
+}
+
+impl Scene {
+    /// Seeks boxes upright, leaning, and once more with the lamp if the shadows of those tell it.
+    fn explain(
+        photo: &Photo,
+        map: &PlanMap,
+        look: &Look,
+        viewpoint: Option<Viewpoint>,
+        evidence: &Evidence,
+    ) -> Self {
+        let rects = proposals(evidence);
+        let upright = Search { evidence, foot: None, lamp: None };
+        let flat = upright.run(&rects);
+        let foot = viewpoint.map(|view| view.foot);
+        let search = Search { evidence, foot, lamp: None };
+        let with = |found: &[LeaningBox]| -> Vec<Rect> {
+            rects.iter().copied().chain(found.iter().map(|seen| seen.base)).collect()
+        };
+        let leaning = search.run(&with(&flat));
+        let sharpener = Sharpener { photo, map, look, foot, lit: false };
+        let lamp = viewpoint.and_then(|view| {
+            let leans: Vec<_> = leaning.iter().map(|&seen| sharpener.shown_lean(seen)).collect();
+            Lamp::of(evidence, &leaning, &leans, view.foot, view.height)
+        });
+        let search = Search { lamp, ..search };
+        let leaning = if lamp.is_some() { search.run(&with(&leaning)) } else { leaning };
+        let shown = leaning.iter().filter(|&&seen| sharpener.shown_lean(seen).is_some()).count();
+        let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
+        let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
+        let any = !(flat.is_empty() && leaning.is_empty());
+        let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
+        Self { boxes, foot, lamp, leans: any.then_some(leans) }
+    }
+
+    /// Whether there is shadow that matters though no lamp explains it.
+    fn unexplained_shade(&self, evidence: &Evidence) -> bool {
+        let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
+        f64::from(shaded) > LEAST_SHADE * evidence.frame.scale.powi(2)
+    }
+
+    /// The boxes brought to a fraction of a pixel.
+    fn finish(self, photo: &Photo, map: &PlanMap, look: &Look) -> Found {
+        let tools = Sharpener { photo, map, look, foot: self.foot, lit: self.lamp.is_some() };
+        let arena = look.frame.arena;
+        let boxes = self.boxes.into_iter().map(|seen| tools.sharpen(seen));
+        let boxes = boxes.filter(|bounded| !is_part_of_wall(bounded.rect, arena)).collect();
+        Found { boxes, leans: self.leans }
+    }
+}
+
+/// Whether a rectangle is as thin as the visible face of a wall and lies along one.
+fn is_part_of_wall(rect: Rect, arena: Arena) -> bool {
+    let thin =
+        |low: f64, high: f64, length: f64| high - low < WALL_FACE && (low <= 0.0 || high >= length);
+    thin(rect.x0, rect.x1, arena.width) || thin(rect.y0, rect.y1, arena.height)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Arena;
+
+    #[test]
+    fn faces_of_walls_are_no_boxes() {
+        let arena = Arena { width: 2.0, height: 1.0 };
+        assert!(is_part_of_wall(Rect::new(0.0, 0.2, 0.03, 0.9), arena));
+        assert!(is_part_of_wall(Rect::new(0.4, 0.98, 0.9, 1.0), arena));
+        assert!(!is_part_of_wall(Rect::new(0.0, 0.2, 0.05, 0.9), arena));
+        assert!(!is_part_of_wall(Rect::new(0.1, 0.2, 0.13, 0.9), arena));
+    }
 
     #[test]
     fn a_dark_square_seen_from_far_away_stands_where_it_appears() {

@@ -42,8 +42,13 @@ const UNGUESSED_CONTRAST: f64 = 0.15;
 const FACE_CONTRAST: f64 = 0.10;
 /// Sides farther from the foot point than this, metres, say no more of the lean.
 const GUESS_DISTANCE: f64 = 0.3;
-/// How much lower than measured a lean may be.
+/// How much lower than measured a lean may be: at least so much, or a share of what it exceeds 1 by where
+/// sides show it and where only the shadow does.
 const LEAN_MARGIN: f64 = 0.01;
+const SHOWN_DOUBT: f64 = 0.2;
+const SHADED_DOUBT: f64 = 0.4;
+/// How far the camera's foot point may be off, metres.
+const FOOT_ERROR: f64 = 0.05;
 /// The distance of samples across a side, pixels, and of the leans that are tried.
 const SIDE_STEP: f64 = 0.5;
 const LEAN_STEP: f64 = 0.0025;
@@ -65,6 +70,8 @@ pub(crate) struct Sharpener<'a> {
     pub(crate) look: &'a Look,
     /// The camera's foot point; `None` if boxes do not lean.
     pub(crate) foot: Option<Point>,
+    /// Whether the lamp is known, so that shadows tell the lean of boxes.
+    pub(crate) lit: bool,
 }
 
 impl Sharpener<'_> {
@@ -77,17 +84,24 @@ impl Sharpener<'_> {
         let foot = self.foot.unwrap_or(Point::new(0.0, 0.0));
         let mut seen = if self.foot.is_some() { seen } else { LeaningBox { lean: 1.0, ..seen } };
         let mut margin = [0.0; 4];
+        let mut doubt = 0.0;
         for _ in 0..2 {
             let mut edges: [f64; 4] = seen.base.into();
             if self.foot.is_some() {
                 self.near_edges(seen, foot, &mut edges, &mut margin);
                 let near = LeaningBox { base: edges.into(), ..seen };
                 // A lean that is not seen is taken as none: the outline always covers the box.
-                let lean = self.lean(near, foot).unwrap_or(1.0);
+                let shown = self.lean(near, foot);
+                let lean = shown.unwrap_or(if self.lit { seen.lean } else { 1.0 });
+                let share = if shown.is_some() { SHOWN_DOUBT } else { SHADED_DOUBT };
+                doubt = LEAN_MARGIN.max(share * (lean - 1.0)).min(lean - 1.0);
                 seen = LeaningBox { lean, base: far_kept(seen, foot, edges, lean) };
                 edges = seen.base.into();
             }
-            self.far_edges(seen, foot, &mut edges, &mut margin);
+            self.far_edges(seen, foot, doubt, &mut edges, &mut margin);
+            for margin in &mut margin {
+                *margin += FOOT_ERROR * (seen.lean - 1.0);
+            }
             for side in 0..4 {
                 let scale = self.scale(edges.into(), side);
                 if let Some(wall) =
@@ -102,9 +116,9 @@ impl Sharpener<'_> {
         Bounded { rect: seen.base, margin }
     }
 
-    /// Whether a box shows sides that can be told from its top: then boxes lean.
-    pub(crate) fn shows_lean(&self, seen: LeaningBox) -> bool {
-        self.foot.is_some_and(|foot| self.lean(seen, foot).is_some())
+    /// The lean of a box whose sides can be told from its top.
+    pub(crate) fn shown_lean(&self, seen: LeaningBox) -> Option<f64> {
+        self.foot.and_then(|foot| self.lean(seen, foot))
     }
 
     fn scale(&self, rect: Rect, side: usize) -> f64 {
@@ -138,6 +152,7 @@ impl Sharpener<'_> {
         &self,
         seen: LeaningBox,
         foot: Point,
+        doubt: f64,
         edges: &mut [f64; 4],
         margin: &mut [f64; 4],
     ) {
@@ -158,7 +173,7 @@ impl Sharpener<'_> {
                 edges[side] = if leans { origin + (edge - origin) / seen.lean } else { edge };
             }
             if leans {
-                let lowest = (seen.lean - LEAN_MARGIN).max(1.0);
+                let lowest = seen.lean - doubt;
                 margin[side] += (edges[side] - origin).abs() * (seen.lean / lowest - 1.0);
             }
         }

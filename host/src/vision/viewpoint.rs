@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 const USUAL_FOCAL: f64 = 1.05;
 const FOCAL_SPREAD: f64 = 0.3;
 /// How far the columns' angle (radians) and ratio of lengths may be off.
-const COLUMN_NOISE: f64 = 0.004;
+const COLUMN_NOISE: f64 = 0.002;
 /// Focal lengths that are tried, in steps of this factor.
 const FOCAL_STEP: f64 = 1.02;
 const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
@@ -29,24 +29,40 @@ pub(crate) struct Viewpoint {
 }
 
 impl Viewpoint {
+    /// How far a map is from that of any camera, in squared standard deviations.
+    ///
+    /// Four corners leave a homography free; that a camera made it, whatever its focal length, is a
+    /// condition that a wrong quadrilateral hardly ever meets.
+    pub(crate) fn misfit(photo: &Photo, map: &PlanMap) -> f64 {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        focal_lengths()
+            .map(|focal| misfit(&homography, focal * width))
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The viewpoint that a map implies; `None` if no camera could have it.
     pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
         let homography = map.centred_homography();
         let width = photo.width() as f64;
         let mut best: Option<(f64, f64)> = None;
-        let mut focal = FOCAL_RANGE.start;
-        while focal < FOCAL_RANGE.end {
+        for focal in focal_lengths() {
             let cost = misfit(&homography, focal * width)
                 + ((focal / USUAL_FOCAL).ln() / FOCAL_SPREAD).powi(2);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, focal * width));
             }
-            focal *= FOCAL_STEP;
         }
         let (_, focal) = best?;
         let [x, y, z] = centre(&homography, focal)?;
         Some(Self { foot: Point::new(x, y), height: z })
     }
+}
+
+/// Focal lengths that cameras have, widths of the picture.
+fn focal_lengths() -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(FOCAL_RANGE.start), |focal| Some(focal * FOCAL_STEP))
+        .take_while(|&focal| focal < FOCAL_RANGE.end)
 }
 
 /// The columns of the rotation (times a scale) and the translation, for a focal length.
@@ -108,5 +124,16 @@ mod tests {
         let view = Viewpoint::of(&photo, &map).unwrap();
         assert!(view.foot.distance(Point::new(0.6, 0.5)) < 0.05, "{view:?}");
         assert!((view.height - 2.8).abs() < 0.2, "{view:?}");
+    }
+
+    #[test]
+    fn a_true_view_fits_a_camera_and_a_misplaced_corner_does_not() {
+        let (photo, map) = seen_from(Vector3::new(0.6, 0.5, 2.8), 0.18, 0.3);
+        let arena = Arena { width: 2.0, height: 1.5 };
+        assert!(Viewpoint::misfit(&photo, &map) < 0.1);
+        let mut corners = map.ideal_corners(arena);
+        corners[1][0] += 15.0;
+        let wrong = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        assert!(Viewpoint::misfit(&photo, &wrong) > 16.0);
     }
 }

@@ -69,7 +69,7 @@ impl Pair {
         };
         let evidence = sights
             .each_ref()
-            .map(|sight| Evidence::of(sight.photo, &sight.map, &sight.look, sight.robot));
+            .map(|sight| Evidence::of(sight.photo, &sight.map, &sight.look, sight.robot, true));
         let sampled = |values: &Raster<f32>, of: &PlanFrame| {
             raster(&frame, |point| {
                 let (column, row) = of.cell(point);
