@@ -431,3 +431,12 @@ fn a_robot_led_away_from_a_box_keeps_its_margin_from_there() {
     // It stands 15 mm too near, and touches nothing else on its way.
     assert_eq!(run["collisions"], 1, "{run}");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_result_that_cannot_be_written_is_an_error() {
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
+    let status = command.args(["plan", PAPER]).stdout(full).status().unwrap();
+    assert_eq!(status.code(), Some(3));
+}

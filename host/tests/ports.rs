@@ -106,14 +106,20 @@ fn ctrl_c_stops_the_robot_behind_a_socket_before_the_program_ends() {
         .unwrap()
         .trim_end_matches(';');
 
-    let mut drive =
-        wmr(&["drive", scene, "--port", address, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+    let log = folder.path().join("log");
+    let mut drive = wmr(&["drive", scene, "--port", address, "--json", "--log"])
+        .arg(&log)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
     // A second: half-way. If the machine is slow and it is not, the stop comes earlier; never later than the goal.
     std::thread::sleep(std::time::Duration::from_secs(1));
     assert!(drive.try_wait().unwrap().is_none(), "the drive takes more than a second");
     interrupt(&drive);
     let output = drive.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{output:?}");
+    let lines = std::fs::read_to_string(log.join("run.jsonl")).unwrap();
+    assert!(lines.lines().count() > 1, "what was driven is kept: {lines}");
     assert_eq!(document(&output)["error"]["code"], "interrupted");
 
     let stopped = document(&wmr(&["stop", "--port", address, "--json"]).output().unwrap());

@@ -59,8 +59,7 @@ pub(crate) fn base(args: &CalibrateBaseArgs, output: Output) -> Result<(), CliEr
         params::keep(&mut floor.client)?;
     }
     let result = Outcome { old, new, found, before: return_error(&runs), after };
-    output.result(&result.document(!args.no_save), &result.text(args));
-    Ok(())
+    output.result(&result.document(!args.no_save), &result.text(args))
 }
 
 fn worse(before: f64, after: f64) -> CliError {

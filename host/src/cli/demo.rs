@@ -7,6 +7,7 @@ use super::folder::Folder;
 use super::input::{self, Input, Sight};
 use super::mission::Resume;
 use super::output::Output;
+use super::run::Driven;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
 use host::geometry::{Arena, Point};
@@ -55,9 +56,11 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
     let folder = Folder::begin(&args.out, &input, &way)?;
-    let run = drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
+    let Driven { run, error } =
+        drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
     folder.run(&run)?;
-    output.result(&run.document(), &describe_run(&run));
+    error.map_or(Ok(()), Err)?;
+    output.result(&run.document(), &describe_run(&run))?;
     output.say(&format!("pictures and log: {}", args.out.display()));
     arrived(&run)
 }

@@ -28,8 +28,7 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
     if let Some(folder) = &args.steps {
         Folder::create(folder)?.vision(&seen, args.radius)?;
     }
-    output.result(&detection_document(&seen, args.radius), &describe(&seen));
-    Ok(())
+    output.result(&detection_document(&seen, args.radius), &describe(&seen))
 }
 
 /// The bytes of a photo; an empty file is none.

@@ -45,6 +45,5 @@ pub(super) fn run(args: &DetectArgs, second: &Path, output: Output) -> Result<()
     for (index, height) in heights.iter().enumerate() {
         let _ = writeln!(text, "  {}: {height:.3} m tall", index + 1);
     }
-    output.result(&document, &text);
-    Ok(())
+    output.result(&document, &text)
 }

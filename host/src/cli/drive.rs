@@ -7,7 +7,7 @@ use super::folder::Folder;
 use super::input::{self, Sight};
 use super::mission::{self, Resume, place};
 use super::output::Output;
-use super::run::Run;
+use super::run::{Driven, Run};
 use super::way::{self, MarginRule, PlannedWay};
 use host::geometry::{Point, Pose};
 use protocol::motion::Limits;
@@ -27,11 +27,12 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
     let resume = if args.resume { Resume::Wanted } else { Resume::Offered };
     let folder = args.log.as_deref().map(|path| Folder::begin(path, &input, &way)).transpose()?;
-    let run = drive_way(&way, &asked, &args.port, args.sim_seed, resume, output)?;
+    let Driven { run, error } = drive_way(&way, &asked, &args.port, args.sim_seed, resume, output)?;
     if let Some(folder) = folder {
         folder.run(&run)?;
     }
-    output.result(&run.document(), &describe_run(&run));
+    error.map_or(Ok(()), Err)?;
+    output.result(&run.document(), &describe_run(&run))?;
     arrived(&run)
 }
 
@@ -43,7 +44,7 @@ pub(crate) fn drive_way(
     seed: u64,
     resume: Resume,
     output: Output,
-) -> Result<Run, CliError> {
+) -> Result<Driven, CliError> {
     let file = &way.file;
     let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
     let start = Pose { position: first, heading: file.start_heading() };
@@ -54,8 +55,9 @@ pub(crate) fn drive_way(
     };
     let endpoint = endpoint::open(port, world, robot)?;
     let legs = |limits: &Limits| way::legs_of(file, args, limits);
-    let run = mission::drive(endpoint, start, legs, resume, output)?;
-    Ok(Run { goal: file.waypoints.last().copied(), ..run })
+    let mut driven = mission::drive(endpoint, start, legs, resume, output)?;
+    driven.run.goal = file.waypoints.last().copied();
+    Ok(driven)
 }
 
 /// An error if the robot says that it is done, but is not where it should be; for after the result.

@@ -58,8 +58,7 @@ pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
         map.resolution,
         names.join(", ")
     );
-    output.result(&document, &text);
-    Ok(())
+    output.result(&document, &text)
 }
 
 /// A map's own cells, or those that an arena's obstacles touch.

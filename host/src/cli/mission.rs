@@ -4,7 +4,7 @@ use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
 use super::resume::Memory;
-use super::run::{Run, RunClock};
+use super::run::{Driven, Run, RunClock};
 use host::geometry::Pose;
 use host::link::mission::{Mission, MissionError, MissionEvent};
 use host::link::{LinkClient, PATIENCE};
@@ -52,7 +52,7 @@ pub(crate) fn drive(
     legs: impl Fn(&Limits) -> Vec<Leg>,
     resume: Resume,
     output: Output,
-) -> Result<Run, CliError> {
+) -> Result<Driven, CliError> {
     catch_interrupts();
     let nonce = endpoint.nonce();
     let mut client = LinkClient::new(endpoint, nonce);
@@ -64,7 +64,7 @@ pub(crate) fn drive(
     let mut run = Run::new(legs.clone(), limits, start);
     if run.legs.is_empty() {
         run.truth = client.port_mut().truth();
-        return Ok(run);
+        return Ok(Driven { run, error: None });
     }
     let memory =
         if resume == Resume::Never { Memory::none() } else { Memory::of(&mut client, &legs) };
@@ -87,14 +87,16 @@ pub(crate) fn drive(
     if begun && result.is_err() {
         memory.note(mission.progress(), output);
     }
-    result.map_err(|error| {
-        let known = begun || resume == Resume::Wanted;
-        if known { memory.offer(error, mission.progress()) } else { error }
-    })?;
-    memory.forget();
+    let known = begun || resume == Resume::Wanted;
+    let error = result
+        .err()
+        .map(|error| if known { memory.offer(error, mission.progress()) } else { error });
+    if error.is_none() {
+        memory.forget();
+    }
     run.truth = client.port_mut().truth();
     run.link = client.statistics();
-    Ok(run)
+    Ok(Driven { run, error })
 }
 
 /// Steps the mission to its end.

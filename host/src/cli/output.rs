@@ -1,6 +1,6 @@
 //! Data to standard output, talk to standard error.
 
-use super::error::CliError;
+use super::error::{CliError, Exit};
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
 /// How a command speaks.
@@ -14,9 +14,20 @@ pub(crate) struct Output {
 
 impl Output {
     /// Prints a command's result: `document` for programs, or `text` for people.
-    pub(crate) fn result(self, document: &impl serde::Serialize, text: &str) {
+    ///
+    /// # Errors
+    /// If standard output cannot be written to. A reader that has gone away, as after `| head`, is no
+    /// error of ours.
+    pub(crate) fn result(
+        self,
+        document: &impl serde::Serialize,
+        text: &str,
+    ) -> Result<(), CliError> {
         let line = if self.json { to_json(document) } else { text.trim_end().to_owned() };
-        print_line(&line);
+        print_line(&line).map_err(|error| {
+            let message = format!("cannot write to standard output: {error}");
+            CliError::new(Exit::File, "output", message, "make room, or write to another place")
+        })
     }
 
     /// Says something to the person at the terminal.
@@ -35,7 +46,8 @@ impl Output {
     /// Prints an error.
     pub(crate) fn error(self, error: &CliError) {
         if self.json && !error.after_result {
-            print_line(&to_json(&error.json()));
+            // There is no other place for it.
+            let _ = print_line(&to_json(&error.json()));
         } else {
             let CliError { code, message, help, .. } = error;
             let _ = writeln!(io::stderr(), "error[{code}]: {message}\nhelp: {help}");
@@ -57,12 +69,10 @@ fn to_json(document: &impl serde::Serialize) -> String {
     })
 }
 
-/// Prints a line; a reader that has gone away, as after `| head`, is no error of ours.
-fn print_line(line: &str) {
-    match writeln!(io::stdout(), "{line}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            let _ = writeln!(io::stderr(), "cannot write to standard output: {error}");
-        }
-        _ => {}
+fn print_line(line: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{line}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(()),
     }
 }

@@ -70,8 +70,7 @@ pub(crate) fn run(args: &ParamsArgs, output: Output) -> Result<(), CliError> {
             keep(&mut client)?;
         }
     }
-    output.result(&document(&parameters, changes && !args.no_save), &table(&parameters));
-    Ok(())
+    output.result(&document(&parameters, changes && !args.no_save), &table(&parameters))
 }
 
 /// The robot's numbers.
@@ -139,7 +138,7 @@ fn load(path: &Path) -> Result<(Vec<Change>, u32), CliError> {
 }
 
 /// An f32 as the shortest decimal that means it: 0.035, not 0.03500000014901161.
-fn shortest(value: f32) -> Value {
+pub(crate) fn shortest(value: f32) -> Value {
     value.to_string().parse::<f64>().map_or(Value::Null, Value::from)
 }
 

@@ -25,8 +25,7 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
     if args.queries {
         let document = queries::answers(&input, &asked)?;
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
-        output.result(&document, &text);
-        return Ok(());
+        return output.result(&document, &text);
     }
     let way = way::find(&input, &asked, MarginRule::AsAsked, output)?;
     if let Some(path) = &args.output {
@@ -37,8 +36,7 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
         folder.input(&input, way.file.scene.robot_radius)?;
         folder.plan(&way)?;
     }
-    output.result(&way.file, &describe_way(&way));
-    Ok(())
+    output.result(&way.file, &describe_way(&way))
 }
 
 /// A way, for people.

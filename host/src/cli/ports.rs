@@ -3,9 +3,9 @@
 use super::args::PortArgs;
 use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
 use super::error::CliError;
-use super::mission;
 use super::output::Output;
 use super::run;
+use super::{mission, params};
 use hil_sim::base::TruePose;
 use host::legs;
 use host::link::{LinkClient, LinkError, port};
@@ -39,8 +39,7 @@ pub(crate) fn list(output: Output) -> Result<(), CliError> {
     if ports.is_empty() {
         text += "no serial ports; without a robot, use --port sim\n";
     }
-    output.result(&json!({"ports": document}), &text);
-    Ok(())
+    output.result(&json!({"ports": document}), &text)
 }
 
 /// `wmr info`.
@@ -54,7 +53,9 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
         "protocol": robot.version,
         "reset": robot.reset,
         "limits": {
-            "speed": limits.speed, "acceleration": limits.acceleration, "track": limits.track,
+            "speed": params::shortest(limits.speed.0),
+            "acceleration": params::shortest(limits.acceleration.0),
+            "track": params::shortest(limits.track.0),
         },
         "max_legs": robot.max_legs,
     });
@@ -65,8 +66,7 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
         robot.max_legs,
         robot.reset.explanation()
     );
-    output.result(&document, &text);
-    Ok(())
+    output.result(&document, &text)
 }
 
 /// `wmr stop`.
@@ -82,11 +82,10 @@ pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
             && matches!(telemetry.state, State::Stopped | State::Faulted(_))
         {
             let pose = legs::from_wire(telemetry.pose);
-            output.result(
+            return output.result(
                 &json!({"state": run::state_name(telemetry.state), "pose": pose}),
                 "stopped",
             );
-            return Ok(());
         }
         client.port_mut().wait(Duration::from_millis(2)).map_err(LinkError::from)?;
     }

@@ -46,10 +46,11 @@ pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
     })
 }
 
-/// The side of a square to calibrate in, metres: 0.3 to 20.
+/// The side of a square to calibrate in, metres: 0.3 to 5. On longer ones a robot that is far out of
+/// tune ends where nothing can be told of it.
 pub(crate) fn side(text: &str) -> Result<f64, String> {
-    let value = length(text).ok().filter(|value| (0.3..=20.0).contains(value));
-    value.ok_or_else(|| format!("{text:?} is no side; write a length from 0.3 to 20 metres"))
+    let value = length(text).ok().filter(|value| (0.3..=5.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no side; write a length from 0.3 to 5 metres"))
 }
 
 /// Three percentages from `1,0.5,-2`, each between -5 and 5.

@@ -1,6 +1,7 @@
 //! What happened on a drive, for files, programs and people: metres and radians, seconds of the robot's
 //! clock.
 
+use super::error::CliError;
 use host::geometry::{Point, Pose};
 use host::legs::{from_wire, planned_end};
 use host::link::LinkStatistics;
@@ -23,6 +24,13 @@ pub(crate) struct Run {
     pub(crate) goal: Option<Point>,
     pub(crate) truth: Option<hil_sim::simulation::Truth>,
     pub(crate) link: LinkStatistics,
+}
+
+/// A run that came to its end, or was cut short by an error: what is known of it is worth keeping then.
+#[derive(Debug)]
+pub(crate) struct Driven {
+    pub(crate) run: Run,
+    pub(crate) error: Option<CliError>,
 }
 
 /// What the robot said at one moment.

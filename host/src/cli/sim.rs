@@ -66,14 +66,13 @@ fn serve<B: Brain>(
     let mut port = offer(args, output)?;
     if let Some(address) = &args.lockstep {
         let seconds = lockstep(brain, address, args, &mut port, output)?.as_secs_f64();
-        output.result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
-        return Ok(());
+        return output
+            .result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
     }
     let base = BaseParameters::seeded(args.seed);
     let mut simulation = world.with(brain, base);
     realtime::run(&mut simulation, &mut port, |_| !mission::interrupted()).map_err(failed)?;
-    report(&simulation.truth(), output);
-    Ok(())
+    report(&simulation.truth(), output)
 }
 
 fn failed(error: io::Error) -> CliError {
@@ -152,12 +151,12 @@ fn accept(address: &str, output: Output) -> Result<Option<TcpStream>, CliError> 
     Ok(None)
 }
 
-fn report(truth: &Truth, output: Output) {
+fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
     let pose = Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading);
     let mut document = json!({"true_pose": pose});
     if let (Some(encounters), Some(fields)) = (truth.encounters, document.as_object_mut()) {
         fields.insert("collisions".into(), json!(encounters.collisions));
         fields.insert("min_clearance".into(), json!(encounters.min_clearance));
     }
-    output.result(&document, &format!("the robot ended at {}", place(pose)));
+    output.result(&document, &format!("the robot ended at {}", place(pose)))
 }
