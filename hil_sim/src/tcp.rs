@@ -1,4 +1,5 @@
-//! A socket in place of a serial cable, for every system and across a network: one client at a time.
+//! A socket in place of a serial cable, for every system and across a network: one client at a time. One
+//! that has never said anything gives way to the next.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
@@ -8,6 +9,8 @@ use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
 pub struct TcpPort {
     listener: TcpListener,
     client: Option<TcpStream>,
+    /// Whether the client has said anything.
+    heard: bool,
 }
 
 impl TcpPort {
@@ -18,7 +21,7 @@ impl TcpPort {
     pub fn listen(address: impl ToSocketAddrs) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener, client: None })
+        Ok(Self { listener, client: None, heard: false })
     }
 
     /// Where clients find it.
@@ -30,11 +33,16 @@ impl TcpPort {
     }
 
     fn client(&mut self) -> io::Result<&mut TcpStream> {
-        if self.client.is_none() {
-            let (client, _) = self.listener.accept()?;
-            client.set_nonblocking(true)?;
-            client.set_nodelay(true)?;
-            self.client = Some(client);
+        if !self.heard {
+            match self.listener.accept() {
+                Ok((client, _)) => {
+                    client.set_nonblocking(true)?;
+                    client.set_nodelay(true)?;
+                    self.client = Some(client);
+                }
+                Err(_) if self.client.is_some() => {}
+                Err(error) => return Err(error),
+            }
         }
         self.client.as_mut().ok_or_else(|| ErrorKind::WouldBlock.into())
     }
@@ -43,7 +51,7 @@ impl TcpPort {
     fn part<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
         match result {
             Err(error) if error.kind() != ErrorKind::WouldBlock => {
-                self.client = None;
+                (self.client, self.heard) = (None, false);
                 Err(ErrorKind::WouldBlock.into())
             }
             other => other,
@@ -56,6 +64,7 @@ impl Read for TcpPort {
         let result = self.client()?.read(buffer);
         let result = result
             .and_then(|n| if n == 0 { Err(ErrorKind::ConnectionReset.into()) } else { Ok(n) });
+        self.heard |= result.is_ok();
         self.part(result)
     }
 }
@@ -97,5 +106,23 @@ mod tests {
             client.read_exact(&mut received).unwrap();
             assert_eq!(received, [byte + 10]);
         }
+    }
+
+    #[test]
+    fn a_client_that_says_nothing_gives_way() {
+        let mut port = TcpPort::listen("127.0.0.1:0").unwrap();
+        let silent = TcpStream::connect(port.address().unwrap()).unwrap();
+        patiently(|| port.write(&[1]));
+        let mut client = TcpStream::connect(port.address().unwrap()).unwrap();
+        client.write_all(&[2]).unwrap();
+        let mut received = [0];
+        patiently(|| port.read(&mut received));
+        assert_eq!(received, [2]);
+        drop(silent);
+        // Who has spoken is not disturbed by another.
+        let _other = TcpStream::connect(port.address().unwrap()).unwrap();
+        client.write_all(&[3]).unwrap();
+        patiently(|| port.read(&mut received));
+        assert_eq!(received, [3]);
     }
 }
