@@ -139,7 +139,7 @@ pub(crate) fn fit(
     }
     let (mut sum, mut count, mut shares) = (0.0, 0usize, [0.0; 4]);
     for step in steps {
-        let distance = distance(&map, arena, step);
+        let distance = distance(&map, arena, step.side, map.unbend(step.pixel));
         if distance.abs() < width {
             sum += distance * distance;
             count += 1;
@@ -151,10 +151,10 @@ pub(crate) fn fit(
     Some(Fit { map, residual: (sum / count.max(1) as f64).sqrt(), shares })
 }
 
-/// How far outward of its side a step lies under a map, pixels.
-fn distance(map: &PlanMap, arena: Arena, step: &Step) -> f64 {
-    let point = map.to_floor(step.pixel);
-    -inward(arena, step.side, point) * map.scale_at(point)
+/// How far outward of a side an ideal pixel lies under a map, pixels.
+fn distance(map: &PlanMap, arena: Arena, side: usize, ideal: [f64; 2]) -> f64 {
+    let point = map.ideal_to_floor(ideal);
+    -inward(arena, side, point) * map.scale_at(point)
 }
 
 fn gauss_newton(
@@ -181,14 +181,19 @@ fn gauss_newton(
     let mut normal = SMatrix::<f64, 9, 9>::identity() * DAMPING;
     let mut right = SVector::<f64, 9>::zeros();
     for step in steps {
-        let now = distance(map, arena, step);
+        let ideal = map.unbend(step.pixel);
+        let now = distance(map, arena, step.side, ideal);
         let ratio = now / width;
         if ratio.abs() >= 1.0 {
             continue;
         }
         let weight = (1.0 - ratio * ratio).powi(2) / (STEP_NOISE * STEP_NOISE);
-        let row =
-            SVector::<f64, 9>::from_fn(|i, _| (distance(&nudged[i], arena, step) - now) / NUDGE);
+        // Moved corners leave the lens as it is; only the last parameter is the lens itself.
+        let other_lens = nudged[8].unbend(step.pixel);
+        let row = SVector::<f64, 9>::from_fn(|i, _| {
+            let ideal = if i < 8 { ideal } else { other_lens };
+            (distance(&nudged[i], arena, step.side, ideal) - now) / NUDGE
+        });
         normal += weight * row * row.transpose();
         right -= weight * now * row;
     }

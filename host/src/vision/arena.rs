@@ -16,6 +16,8 @@ const LEAST_CONTRAST: f64 = 8.0;
 const LEAST_LIGHT: u8 = 25;
 /// The share of the border's profiles that must show it.
 const LEAST_SCORE: f64 = 0.5;
+/// Every profile shows the border; a little more than 1, since shares are summed up.
+const MOST_SCORE: f64 = 1.0 + 1e-9;
 /// With this share no other candidate is looked at.
 const SURE_SCORE: f64 = 0.93;
 /// How much a candidate's edges and size count beside the share of its profiles.
@@ -42,6 +44,12 @@ pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
     let mut best: Option<(f64, Border)> = None;
     let mut odd: f64 = 0.0;
     for quad in &candidates {
+        // The others rank no higher: not even a whole border would bring them before the best.
+        let most = MOST_SCORE + RANK_WEIGHT * quad.rank;
+        if best.as_ref().is_some_and(|(value, found)| *value >= most && found.score >= LEAST_SCORE)
+        {
+            break;
+        }
         let Some(border) = border::find(photo, arena, quad.corners.map(full)) else { continue };
         let misfit = Viewpoint::misfit(photo, &border.map);
         if misfit > MOST_MISFIT {

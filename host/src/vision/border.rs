@@ -6,10 +6,10 @@
 //! something else outside, is the candidate's score.
 
 use super::align::{self, Fit, PLACES, Search, side_point};
-use super::floor::{FloorModel, feature};
+use super::floor::{FloorModel, feature, sample_step};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
-use super::plan_view::{PlanFrame, plan_view};
+use super::plan_view::{PlanFrame, cell_light};
 use super::viewpoint::Viewpoint;
 use crate::geometry::{Arena, Point};
 
@@ -283,12 +283,15 @@ impl Sides {
 fn learn_floor(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<FloorModel> {
     let frame =
         PlanFrame { arena, scale: FLOOR_CELLS / arena.width.max(arena.height), margin: 0.0 };
-    let view = plan_view(photo, map, &frame);
-    let width = view.width();
-    let place = |index: usize| frame.point((index % width) as f64, (index / width) as f64);
-    let samples: Vec<_> =
-        view.cells().iter().enumerate().map(|(i, &light)| (place(i), feature(light))).collect();
-    FloorModel::fit(arena, &samples)
+    let light = cell_light(photo, map, &frame);
+    let (width, height) = frame.size();
+    let sample = |index: usize| {
+        let (column, row) = (index % width, index / width);
+        (frame.point(column as f64, row as f64), feature(light(column, row)))
+    };
+    // Cells that the model would leave out are not drawn.
+    let cells = (0..width * height).step_by(sample_step(width * height));
+    FloorModel::fit(arena, &cells.map(sample).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

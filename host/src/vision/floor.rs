@@ -34,7 +34,13 @@ const ROUNDS: [(usize, f32); 7] =
 /// Samples that the model is fitted to, at most.
 const MOST_SAMPLES: usize = 6000;
 
+/// Of so many samples every how many-th is used.
+pub(crate) fn sample_step(count: usize) -> usize {
+    count.div_ceil(MOST_SAMPLES).max(1)
+}
+
 /// The feature of a linear light.
+#[inline]
 pub(crate) fn feature(light: [f32; 3]) -> Feature {
     let [r, g, b] = light.map(|value| (value + DARK_LEVEL).ln());
     [(r + g + b) / 3.0, (r - g) / std::f32::consts::SQRT_2, (r + g - 2.0 * b) / 6f32.sqrt()]
@@ -73,8 +79,7 @@ impl Difference {
 impl FloorModel {
     /// The model of the floor seen in `samples` (floor point and feature); `None` without samples.
     pub(crate) fn fit(arena: Arena, samples: &[(Point, Feature)]) -> Option<Self> {
-        let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
-        let samples: Vec<_> = samples.iter().step_by(step).copied().collect();
+        let samples: Vec<_> = samples.iter().step_by(sample_step(samples.len())).copied().collect();
         let start = densest(&samples)?;
         let mut model = Self {
             arena,
@@ -193,33 +198,33 @@ impl FloorModel {
 
     /// One weighted least-squares fit with `terms` terms to the samples within `width` deviations.
     fn refit(&mut self, samples: &[(Point, Feature)], terms: usize, width: f32) {
-        let mut normal = DMatrix::<f64>::zeros(terms, terms);
-        let mut right = [(); 3].map(|()| DVector::<f64>::zeros(terms));
+        let mut products = [[0.0; MOST_TERMS]; MOST_TERMS];
+        let mut right = [[0.0; MOST_TERMS]; 3];
         let mut inliers: [Vec<f32>; 3] = Default::default();
         for &(point, seen) in samples {
             let residual = self.residual(point, seen);
             let distance = self.difference_of(residual).lit;
             let weight = f64::from((1.0 + (distance / width).powi(2)).powi(-2));
             let monomials = self.monomials(point);
-            for i in 0..terms {
-                for j in 0..=i {
-                    normal[(i, j)] += weight * monomials[i] * monomials[j];
-                }
-                for (right, value) in right.iter_mut().zip(seen) {
-                    right[i] += weight * monomials[i] * f64::from(value);
-                }
+            let weighted = monomials.map(|monomial| weight * monomial);
+            for (row, factor) in products.iter_mut().zip(weighted).take(terms) {
+                row.iter_mut().zip(monomials).for_each(|(sum, monomial)| *sum += factor * monomial);
+            }
+            for (right, value) in right.iter_mut().zip(seen.map(f64::from)) {
+                right.iter_mut().zip(weighted).for_each(|(sum, factor)| *sum += factor * value);
             }
             if distance < 4.0 {
                 inliers.iter_mut().zip(residual).for_each(|(list, value)| list.push(value.abs()));
             }
         }
+        let mut normal = DMatrix::from_fn(terms, terms, |i, j| products[i][j]);
         for i in 0..terms {
             normal[(i, i)] += 1e-3 * samples.len() as f64 * if i > 2 { 1e-2 } else { 1e-6 };
         }
         let Some(factor) = normal.cholesky() else { return };
         for (row, right) in self.coefficients.iter_mut().zip(&right) {
             row.iter_mut()
-                .zip(factor.solve(right).iter())
+                .zip(factor.solve(&DVector::from_column_slice(&right[..terms])).iter())
                 .for_each(|(value, solved)| *value = *solved);
         }
         self.terms = terms;

@@ -22,7 +22,7 @@ pub struct Photo {
     width: usize,
     height: usize,
     pixels: Vec<[u8; 3]>,
-    linear: Vec<f32>,
+    linear: Box<[f32; 256]>,
 }
 
 /// Decodes a PNG or JPEG file and turns it upright as its EXIF orientation says.
@@ -83,7 +83,7 @@ impl Photo {
                 reason: format!("{} pixels for {width} x {height}", pixels.len()),
             });
         }
-        Ok(Self { width, height, pixels, linear: (0..=255).map(linear_light).collect() })
+        Ok(Self { width, height, pixels, linear: Box::new(std::array::from_fn(linear_light)) })
     }
 
     /// Pixels in a row.
@@ -108,21 +108,25 @@ impl Photo {
 
     /// The linear light (red, green, blue, 0 to 1) at a place in pixels, between four pixels by
     /// bilinear interpolation; beyond the picture's rim that of the rim.
+    #[inline]
     pub fn light(&self, [x, y]: [f64; 2]) -> [f32; 3] {
         let x = x.clamp(0.0, (self.width - 1) as f64);
         let y = y.clamp(0.0, (self.height - 1) as f64);
-        let (left, top) = ((x as usize).min(self.width - 2), (y as usize).min(self.height - 2));
+        let (left, top) =
+            ((x as u32 as usize).min(self.width - 2), (y as u32 as usize).min(self.height - 2));
         let (right, down) = ((x - left as f64) as f32, (y - top as f64) as f32);
         let first = top * self.width + left;
+        let (upper, lower) =
+            (&self.pixels[first..first + 2], &self.pixels[first + self.width..][..2]);
         let corners = [
-            (first, (1.0 - right) * (1.0 - down)),
-            (first + 1, right * (1.0 - down)),
-            (first + self.width, (1.0 - right) * down),
-            (first + self.width + 1, right * down),
+            (upper[0], (1.0 - right) * (1.0 - down)),
+            (upper[1], right * (1.0 - down)),
+            (lower[0], (1.0 - right) * down),
+            (lower[1], right * down),
         ];
         let mut light = [0.0; 3];
-        for (index, weight) in corners {
-            for (sum, code) in light.iter_mut().zip(self.pixels[index]) {
+        for (codes, weight) in corners {
+            for (sum, code) in light.iter_mut().zip(codes) {
                 *sum += weight * self.linear[usize::from(code)];
             }
         }
@@ -163,8 +167,8 @@ impl Photo {
 }
 
 /// The linear light of an sRGB code (IEC 61966-2-1).
-fn linear_light(code: i32) -> f32 {
-    let value = f64::from(code) / 255.0;
+fn linear_light(code: usize) -> f32 {
+    let value = code as f64 / 255.0;
     let light = if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
     light as f32
 }
@@ -204,7 +208,7 @@ mod tests {
     #[test]
     fn every_code_survives_the_way_to_light_and_back() {
         for code in 0..=255 {
-            assert_eq!(i32::from(srgb_code(linear_light(code))), code);
+            assert_eq!(usize::from(srgb_code(linear_light(code))), code);
         }
     }
 

@@ -70,13 +70,20 @@ impl PlanMap {
     }
 
     /// The pixel where the photo shows a floor point.
+    #[inline]
     pub fn to_photo(&self, point: Point) -> [f64; 2] {
         self.bend(apply(&self.to_ideal, [point.x, point.y]))
     }
 
     /// The floor point that the photo shows at a pixel.
     pub fn to_floor(&self, pixel: [f64; 2]) -> Point {
-        apply(&self.to_floor, self.unbend(pixel)).into()
+        self.ideal_to_floor(self.unbend(pixel))
+    }
+
+    /// The floor point at an ideal pixel, before the lens.
+    #[inline]
+    pub(crate) fn ideal_to_floor(&self, ideal: [f64; 2]) -> Point {
+        apply(&self.to_floor, ideal).into()
     }
 
     /// The radial coefficient λ, per half width squared.
@@ -109,13 +116,15 @@ impl PlanMap {
         (((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)).abs()).sqrt() / STEP
     }
 
+    #[inline]
     fn bend(&self, ideal: [f64; 2]) -> [f64; 2] {
         let (dx, dy) = (ideal[0] - self.centre[0], ideal[1] - self.centre[1]);
         let factor = 1.0 + self.radial * (dx * dx + dy * dy) / (self.half_width * self.half_width);
         [self.centre[0] + factor * dx, self.centre[1] + factor * dy]
     }
 
-    fn unbend(&self, seen: [f64; 2]) -> [f64; 2] {
+    /// The ideal pixel that the lens bends to a pixel of the photo; the same for all maps of one lens.
+    pub(crate) fn unbend(&self, seen: [f64; 2]) -> [f64; 2] {
         let (dx, dy) = (seen[0] - self.centre[0], seen[1] - self.centre[1]);
         if self.radial == 0.0 {
             return seen;
@@ -124,7 +133,11 @@ impl PlanMap {
         let mut factor = 1.0;
         for _ in 0..UNBEND_STEPS {
             let square = (dx * dx + dy * dy) / (factor * factor);
-            factor = (1.0 + strength * square).max(0.2);
+            let next = (1.0 + strength * square).max(0.2);
+            if next == factor {
+                break;
+            }
+            factor = next;
         }
         [self.centre[0] + dx / factor, self.centre[1] + dy / factor]
     }
@@ -162,6 +175,7 @@ pub fn homography(from: [[f64; 2]; 4], to: [[f64; 2]; 4]) -> Option<Matrix3<f64>
     matrix.iter().all(|value| value.is_finite()).then_some(matrix)
 }
 
+#[inline]
 fn apply(matrix: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
     let image = matrix * Vector3::new(x, y, 1.0);
     [image.x / image.z, image.y / image.z]

@@ -35,6 +35,7 @@ impl PlanFrame {
     }
 
     /// The floor point at a column and a row, metres; whole numbers are the centres of cells.
+    #[inline]
     pub fn point(&self, column: f64, row: f64) -> Point {
         let (x, y) = ((column + 0.5) / self.scale, (row + 0.5) / self.scale);
         Point::new(x - self.margin, self.arena.height + self.margin - y)
@@ -51,11 +52,21 @@ impl PlanFrame {
 ///
 /// Where the photo is finer than the view a cell is the mean of several places, at most 4 × 4.
 pub fn plan_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<[f32; 3]> {
+    let (width, height) = frame.size();
+    let light = cell_light(photo, map, frame);
+    Raster::from_fn(width, height, light)
+}
+
+/// The light of a cell of the plan view by its column and row.
+pub(crate) fn cell_light(
+    photo: &Photo,
+    map: &PlanMap,
+    frame: &PlanFrame,
+) -> impl Fn(usize, usize) -> [f32; 3] {
     let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
     let places = (map.scale_at(middle) / frame.scale).round().clamp(1.0, 4.0) as usize;
     let share = 1.0 / (places * places) as f32;
-    let (width, height) = frame.size();
-    Raster::from_fn(width, height, |column, row| {
+    move |column, row| {
         let mut sum = [0f32; 3];
         for place in 0..places * places {
             let within = |index: usize| (index as f64 + 0.5) / places as f64 - 0.5;
@@ -66,7 +77,7 @@ pub fn plan_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<[f32
             }
         }
         sum.map(|value| value * share)
-    })
+    }
 }
 
 #[cfg(test)]
