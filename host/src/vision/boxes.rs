@@ -6,6 +6,7 @@
 //! are added best first; each is improved by moving the edges of its outline and its lean in shrinking
 //! steps, given all others.
 
+use super::candidates::Candidate;
 use super::evidence::Evidence;
 use super::floor::Feature;
 use super::lamp::Lamp;
@@ -40,10 +41,10 @@ pub(crate) const MOST_LEAN: f64 = 1.25;
 const LEANS: [f64; 4] = [1.0, 1.04, 1.09, 1.16];
 /// Steps of the search: cells for edges, and for the lean.
 const STEPS: [(f64, f64); 4] = [(4.0, 0.04), (2.0, 0.02), (1.0, 0.01), (0.5, 0.005)];
+/// How often each move is tried at each size of steps.
+const MOST_PASSES: usize = 12;
 /// Boxes that are looked for at most.
 const MOST_BOXES: usize = 40;
-/// Candidates that are improved before the best is taken.
-const IMPROVED: usize = 3;
 /// How often all boxes are improved together.
 const ROUNDS: usize = 2;
 
@@ -68,14 +69,16 @@ impl Search<'_> {
     pub(crate) fn run(&self, proposals: &[Rect]) -> Vec<LeaningBox> {
         let mut cost = self.unexplained();
         let mut found: Vec<LeaningBox> = Vec::new();
-        let candidates: Vec<LeaningBox> =
-            proposals.iter().flat_map(|&rect| self.readings(rect)).collect();
+        let readings = proposals.iter().flat_map(|&rect| self.readings(rect));
+        let mut candidates: Vec<Candidate> =
+            readings.map(|seen| self.candidate(seen, &cost)).collect();
         while found.len() < MOST_BOXES {
-            let Some(best) = self.best(&candidates, &cost) else { break };
+            let Some(best) = self.best(&mut candidates, &cost) else { break };
             if f64::from(best.gain) < self.least_gain() {
                 break;
             }
             self.explain(&mut cost, best.seen);
+            self.renew(&mut candidates, &cost, best.seen);
             found.push(best.seen);
         }
         self.merge(&mut found);
@@ -131,15 +134,6 @@ impl Search<'_> {
         outline.chain(top).collect()
     }
 
-    /// The candidate with the greatest gain after improvement.
-    fn best(&self, candidates: &[LeaningBox], cost: &Raster<f32>) -> Option<Scored> {
-        let score = |&seen: &LeaningBox| Scored { gain: self.gain(seen, cost), seen };
-        let mut scored: Vec<Scored> = candidates.iter().map(score).collect();
-        scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let improved = scored.iter().take(IMPROVED).map(|&start| self.improve(start, cost));
-        improved.max_by(|a, b| a.gain.total_cmp(&b.gain))
-    }
-
     /// Every box given the others; boxes that no longer gain enough are dropped.
     fn improve_all(&self, found: &mut Vec<LeaningBox>) {
         for index in (0..found.len()).rev() {
@@ -161,19 +155,31 @@ impl Search<'_> {
 
     /// Moves outline and lean in shrinking steps as long as the gain grows.
     pub(super) fn improve(&self, start: Scored, cost: &Raster<f32>) -> Scored {
+        self.improve_seen(start, cost, |_| ())
+    }
+
+    /// The same; `visit` is called with every box that is tried.
+    pub(super) fn improve_seen(
+        &self,
+        start: Scored,
+        cost: &Raster<f32>,
+        mut visit: impl FnMut(LeaningBox),
+    ) -> Scored {
         let mut best = start;
+        let moves = if self.foot.is_some() { 10 } else { 8 };
         for (cells, lean_step) in STEPS {
             let step = cells / self.evidence.frame.scale;
-            for _ in 0..12 {
-                let before = best.gain;
-                for change in 0..if self.foot.is_some() { 10 } else { 8 } {
-                    let seen = self.changed(best.seen, change, step, lean_step);
-                    let gain = self.gain(seen, cost);
-                    if gain > best.gain {
-                        best = Scored { gain, seen };
-                    }
+            let mut failed = 0;
+            for change in (0..moves).cycle().take(MOST_PASSES * moves) {
+                let seen = self.changed(best.seen, change, step, lean_step);
+                visit(seen);
+                let gain = self.gain(seen, cost);
+                failed += 1;
+                if gain > best.gain {
+                    best = Scored { gain, seen };
+                    failed = 0;
                 }
-                if best.gain <= before {
+                if failed == moves {
                     break;
                 }
             }
@@ -297,12 +303,20 @@ impl Search<'_> {
         let (width, height) = (self.evidence.features.width(), self.evidence.features.height());
         let first = |edge: f64| edge.ceil().max(0.0) as usize;
         let after = |edge: f64, length: usize| ((edge.floor() + 1.0).max(0.0) as usize).min(length);
+        let columns: Vec<_> = (first(left)..after(right, width))
+            .map(|column| {
+                let x = column as f64;
+                let leans = seen.leans_at_x(frame.point(x, 0.0).x, foot);
+                (column, leans, (x - left).min(right - x))
+            })
+            .collect();
         for row in first(upper)..after(lower, height) {
-            for column in first(left)..after(right, width) {
-                if let Some(face) = seen.face(frame.point(column as f64, row as f64), foot) {
-                    let (x, y) = (column as f64, row as f64);
-                    let depth = (x - left).min(right - x).min(y - upper).min(lower - y);
-                    visit(row * width + column, face, depth < RIM);
+            let y = row as f64;
+            let leans = seen.leans_at_y(frame.point(0.0, y).y, foot);
+            let within = (y - upper).min(lower - y);
+            for &(column, across, depth) in &columns {
+                if let Some(face) = seen.face_within(across, leans) {
+                    visit(row * width + column, face, depth.min(within) < RIM);
                 }
             }
         }

@@ -71,9 +71,28 @@ impl LeaningBox {
 
     /// Which face is seen at a floor point, if it lies in the outline.
     pub(crate) fn face(&self, point: Point, foot: Point) -> Option<Face> {
-        let base = self.base;
-        let (x_low, x_high) = leans(point.x - foot.x, base.x0 - foot.x, base.x1 - foot.x);
-        let (y_low, y_high) = leans(point.y - foot.y, base.y0 - foot.y, base.y1 - foot.y);
+        self.face_within(self.leans_at_x(point.x, foot), self.leans_at_y(point.y, foot))
+    }
+
+    /// The least and the greatest lean with which the footprint's span in x reaches `x`.
+    #[inline]
+    pub(crate) fn leans_at_x(&self, x: f64, foot: Point) -> (f64, f64) {
+        leans(x - foot.x, self.base.x0 - foot.x, self.base.x1 - foot.x)
+    }
+
+    /// The least and the greatest lean with which the footprint's span in y reaches `y`.
+    #[inline]
+    pub(crate) fn leans_at_y(&self, y: f64, foot: Point) -> (f64, f64) {
+        leans(y - foot.y, self.base.y0 - foot.y, self.base.y1 - foot.y)
+    }
+
+    /// [`Self::face`] by the leans of a point's x and y, which all points of a column and a row share.
+    #[inline]
+    pub(crate) fn face_within(
+        &self,
+        (x_low, x_high): (f64, f64),
+        (y_low, y_high): (f64, f64),
+    ) -> Option<Face> {
         let (low, high) = (x_low.max(y_low).max(1.0), x_high.min(y_high));
         if low > high.min(self.lean) {
             None
@@ -94,6 +113,7 @@ fn enlarged(rect: Rect, foot: Point, factor: f64) -> Rect {
 }
 
 /// The factors by which the interval `low..high` may be enlarged about 0 so that it holds `value`.
+#[inline]
 fn leans(value: f64, low: f64, high: f64) -> (f64, f64) {
     if low > 0.0 {
         (value / high, value / low)

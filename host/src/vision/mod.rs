@@ -23,6 +23,7 @@ mod border;
 mod boxes;
 mod brightness_view;
 mod camera;
+mod candidates;
 mod detect;
 mod edges;
 mod error;
