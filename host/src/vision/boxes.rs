@@ -105,11 +105,8 @@ impl Search<'_> {
         let Some(shadow) = lamp.shadow(seen) else { return };
         let foot = self.foot();
         let shade = self.evidence.shade.cells();
-        self.evidence.each_cell(shadow.bounds(lamp.foot), 1, |index, point| {
-            if shade[index] != 0.0
-                && shadow.face(point, lamp.foot).is_some()
-                && seen.face(point, foot).is_none()
-            {
+        self.evidence.each_covered(shadow, lamp.foot, 1, |index, point| {
+            if shade[index] != 0.0 && seen.face(point, foot).is_none() {
                 visit(index);
             }
         });

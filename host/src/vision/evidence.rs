@@ -6,13 +6,14 @@
 
 use super::floor::Difference;
 use super::floor::{Feature, feature, median};
+use super::leaning::LeaningBox;
 use super::look::{FOREIGN, Look, SURE};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, plan_view};
 use super::raster::Raster;
 use super::robot::RobotTop;
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Arena, Point};
 
 /// Cells per metre at most, and cells along the longer side at most.
 const COARSE_SCALE: f64 = 110.0;
@@ -61,43 +62,9 @@ impl Evidence {
             COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale);
         let frame = PlanFrame { scale, ..look.frame };
         let features = plan_view(photo, map, &frame).map(feature);
-        let borders = border_colours(&frame, &features);
         let judged = judge(&frame, &features, look);
-        let half = half_shadow(&frame, &judged);
-        // Without shadow, what is half dark beside lit floor is the blur of an edge.
-        let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
-        let lonely = lonely_shadow(&frame, &judged, robot);
-        let width = features.width();
-        let background = Raster::from_fn(width, features.height(), |column, row| {
-            let point = frame.point(column as f64, row as f64);
-            let index = row * width + column;
-            let seen = features.cells()[index];
-            let distance = match outside(arena, point) {
-                None => {
-                    let difference = judged.cells()[index];
-                    let of_robot = robot
-                        .is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
-                    let blurred = !(shadows && look.floor.shadow.is_some()) && rim.cells()[index];
-                    let distance = if lonely.cells()[index] {
-                        difference.lit
-                    } else if blurred {
-                        look.floor.off_any_shadow(look.floor.residual(point, seen), DEEPEST)
-                    } else if of_robot || shadows && half.cells()[index] {
-                        difference.floor
-                    } else if !shadows {
-                        difference.lit
-                    } else {
-                        difference.lit.min(difference.core)
-                    };
-                    ((distance - SURE) / (FOREIGN - SURE)).max(0.0)
-                }
-                Some((side, depth)) => borders[side]
-                    .get((depth * scale) as usize)
-                    .map_or(0.0, |&of_border| border_distance(seen, of_border)),
-            };
-            (distance * distance).min(1.0)
-        });
-        let weight = Raster::from_fn(width, features.height(), |column, row| {
+        let background = background(&frame, &features, &judged, look, robot, shadows);
+        let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
             let point = frame.point(column as f64, row as f64);
             let of_robot =
                 robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
@@ -113,27 +80,54 @@ impl Evidence {
         Self { frame, features, background, weight, shade }
     }
 
+    /// The same if nothing but the robot casts shadows.
+    pub(crate) fn without_shadows(&self, look: &Look, robot: Option<RobotTop>) -> Self {
+        let judged = judge(&self.frame, &self.features, look);
+        let background = background(&self.frame, &self.features, &judged, look, robot, false);
+        Self {
+            frame: self.frame,
+            features: self.features.clone(),
+            background,
+            weight: self.weight.clone(),
+            shade: self.shade.clone(),
+        }
+    }
+
     /// The floor point of a cell by its index.
     pub(crate) fn point(&self, index: usize) -> Point {
         let width = self.features.width();
         self.frame.point((index % width) as f64, (index / width) as f64)
     }
 
-    /// Calls `visit` with the index and the floor point of every `stride`-th cell within bounds in metres.
-    pub(crate) fn each_cell(
+    /// Calls `visit` with the index and the floor point of every `stride`-th cell in the outline of a box
+    /// as it is seen from above `foot`.
+    pub(crate) fn each_covered(
         &self,
-        bounds: Rect,
+        seen: LeaningBox,
+        foot: Point,
         stride: usize,
         mut visit: impl FnMut(usize, Point),
     ) {
+        let bounds = seen.bounds(foot);
         let (left, upper) = self.frame.cell(Point::new(bounds.x0, bounds.y1));
         let (right, lower) = self.frame.cell(Point::new(bounds.x1, bounds.y0));
         let (width, height) = (self.features.width(), self.features.height());
         let first = |edge: f64| edge.ceil().max(0.0) as usize;
         let after = |edge: f64, length: usize| ((edge.floor() + 1.0).max(0.0) as usize).min(length);
+        let columns: Vec<_> = (first(left)..after(right, width))
+            .step_by(stride)
+            .map(|column| {
+                let x = self.frame.point(column as f64, 0.0).x;
+                (column, x, seen.leans_at_x(x, foot))
+            })
+            .collect();
         for row in (first(upper)..after(lower, height)).step_by(stride) {
-            for column in (first(left)..after(right, width)).step_by(stride) {
-                visit(row * width + column, self.frame.point(column as f64, row as f64));
+            let y = self.frame.point(0.0, row as f64).y;
+            let leans = seen.leans_at_y(y, foot);
+            for &(column, x, across) in &columns {
+                if seen.face_within(across, leans).is_some() {
+                    visit(row * width + column, Point::new(x, y));
+                }
             }
         }
     }
@@ -149,6 +143,52 @@ impl Evidence {
                 && outside(self.frame.arena, point).is_none()
         })
     }
+}
+
+/// The cost of every cell of being background; without `shadows` nothing but the robot casts any.
+fn background(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    judged: &Raster<Difference>,
+    look: &Look,
+    robot: Option<RobotTop>,
+    shadows: bool,
+) -> Raster<f32> {
+    let borders = border_colours(frame, features);
+    let half = half_shadow(frame, judged);
+    // Without shadow, what is half dark beside lit floor is the blur of an edge.
+    let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
+    let lonely = lonely_shadow(frame, judged, robot);
+    let width = features.width();
+    Raster::from_fn(width, features.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let index = row * width + column;
+        let seen = features.cells()[index];
+        let distance = match outside(frame.arena, point) {
+            None => {
+                let difference = judged.cells()[index];
+                let of_robot =
+                    robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+                let blurred = !(shadows && look.floor.shadow.is_some()) && rim.cells()[index];
+                let distance = if lonely.cells()[index] {
+                    difference.lit
+                } else if blurred {
+                    look.floor.off_any_shadow(look.floor.residual(point, seen), DEEPEST)
+                } else if of_robot || shadows && half.cells()[index] {
+                    difference.floor
+                } else if !shadows {
+                    difference.lit
+                } else {
+                    difference.lit.min(difference.core)
+                };
+                ((distance - SURE) / (FOREIGN - SURE)).max(0.0)
+            }
+            Some((side, depth)) => borders[side]
+                .get((depth * frame.scale) as usize)
+                .map_or(0.0, |&of_border| border_distance(seen, of_border)),
+        };
+        (distance * distance).min(1.0)
+    })
 }
 
 /// How every cell differs from the floor's colours.

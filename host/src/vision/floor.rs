@@ -207,11 +207,16 @@ impl FloorModel {
             let weight = f64::from((1.0 + (distance / width).powi(2)).powi(-2));
             let monomials = self.monomials(point);
             let weighted = monomials.map(|monomial| weight * monomial);
-            for (row, factor) in products.iter_mut().zip(weighted).take(terms) {
-                row.iter_mut().zip(monomials).for_each(|(sum, monomial)| *sum += factor * monomial);
+            for (i, (row, factor)) in products.iter_mut().zip(weighted).take(terms).enumerate() {
+                let lower = row.iter_mut().zip(monomials).take(i + 1);
+                lower.for_each(|(sum, monomial)| *sum += factor * monomial);
             }
             for (right, value) in right.iter_mut().zip(seen.map(f64::from)) {
-                right.iter_mut().zip(weighted).for_each(|(sum, factor)| *sum += factor * value);
+                right
+                    .iter_mut()
+                    .zip(weighted)
+                    .take(terms)
+                    .for_each(|(sum, factor)| *sum += factor * value);
             }
             if distance < 4.0 {
                 inliers.iter_mut().zip(residual).for_each(|(list, value)| list.push(value.abs()));

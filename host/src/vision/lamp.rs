@@ -154,10 +154,8 @@ impl Stage<'_> {
     fn of_shadow(&self, lamp: Lamp, seen: LeaningBox) -> f32 {
         let mut sum = 0.0;
         if let Some(shadow) = lamp.shadow(seen) {
-            self.evidence.each_cell(shadow.bounds(lamp.foot), STRIDE, |index, point| {
-                if self.free.cells()[index] != 0.0 && shadow.face(point, lamp.foot).is_some() {
-                    sum += self.free.cells()[index];
-                }
+            self.evidence.each_covered(shadow, lamp.foot, STRIDE, |index, _| {
+                sum += self.free.cells()[index];
             });
         }
         sum

@@ -119,6 +119,9 @@ impl PlanMap {
     #[inline]
     fn bend(&self, ideal: [f64; 2]) -> [f64; 2] {
         let (dx, dy) = (ideal[0] - self.centre[0], ideal[1] - self.centre[1]);
+        if self.radial == 0.0 {
+            return [self.centre[0] + dx, self.centre[1] + dy];
+        }
         let factor = 1.0 + self.radial * (dx * dx + dy * dy) / (self.half_width * self.half_width);
         [self.centre[0] + factor * dx, self.centre[1] + factor * dy]
     }

@@ -8,6 +8,9 @@ use super::plan_map::PlanMap;
 use super::raster::Raster;
 use crate::geometry::{Arena, Point};
 
+/// The most places along each side of a cell.
+const MOST_PLACES: usize = 4;
+
 /// Where the cells of a plan view lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanFrame {
@@ -53,29 +56,66 @@ impl PlanFrame {
 /// Where the photo is finer than the view a cell is the mean of several places, at most 4 × 4.
 pub fn plan_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<[f32; 3]> {
     let (width, height) = frame.size();
-    let light = cell_light(photo, map, frame);
-    Raster::from_fn(width, height, light)
+    let cells = Cells::of(map, frame);
+    let columns: Vec<[f64; MOST_PLACES]> = (0..width).map(|column| cells.xs(column)).collect();
+    let mut ys = (usize::MAX, [0.0; MOST_PLACES]);
+    Raster::from_fn(width, height, |column, row| {
+        if ys.0 != row {
+            ys = (row, cells.ys(row));
+        }
+        cells.light(photo, &columns[column], &ys.1)
+    })
 }
 
-/// The light of a cell of the plan view by its column and row.
+/// The light of one cell of the plan view by its column and row.
 pub(crate) fn cell_light(
     photo: &Photo,
     map: &PlanMap,
     frame: &PlanFrame,
 ) -> impl Fn(usize, usize) -> [f32; 3] {
-    let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
-    let places = (map.scale_at(middle) / frame.scale).round().clamp(1.0, 4.0) as usize;
-    let share = 1.0 / (places * places) as f32;
-    move |column, row| {
+    let cells = Cells::of(map, frame);
+    move |column, row| cells.light(photo, &cells.xs(column), &cells.ys(row))
+}
+
+/// The places in cells whose light is averaged.
+struct Cells<'a> {
+    map: &'a PlanMap,
+    frame: PlanFrame,
+    /// Places along each side of a cell.
+    places: usize,
+}
+
+impl<'a> Cells<'a> {
+    fn of(map: &'a PlanMap, frame: &PlanFrame) -> Self {
+        let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
+        let places =
+            (map.scale_at(middle) / frame.scale).round().clamp(1.0, MOST_PLACES as f64) as usize;
+        Self { map, frame: *frame, places }
+    }
+
+    fn within(&self, index: usize) -> f64 {
+        (index as f64 + 0.5) / self.places as f64 - 0.5
+    }
+
+    /// The places' x in a column, metres.
+    fn xs(&self, column: usize) -> [f64; MOST_PLACES] {
+        std::array::from_fn(|index| self.frame.point(column as f64 + self.within(index), 0.0).x)
+    }
+
+    /// The places' y in a row, metres.
+    fn ys(&self, row: usize) -> [f64; MOST_PLACES] {
+        std::array::from_fn(|index| self.frame.point(0.0, row as f64 + self.within(index)).y)
+    }
+
+    fn light(&self, photo: &Photo, xs: &[f64; MOST_PLACES], ys: &[f64; MOST_PLACES]) -> [f32; 3] {
         let mut sum = [0f32; 3];
-        for place in 0..places * places {
-            let within = |index: usize| (index as f64 + 0.5) / places as f64 - 0.5;
-            let point = frame
-                .point(column as f64 + within(place % places), row as f64 + within(place / places));
-            for (sum, light) in sum.iter_mut().zip(photo.light(map.to_photo(point))) {
-                *sum += light;
+        for &y in &ys[..self.places] {
+            for &x in &xs[..self.places] {
+                let light = photo.light(self.map.to_photo(Point::new(x, y)));
+                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
         }
+        let share = 1.0 / (self.places * self.places) as f32;
         sum.map(|value| value * share)
     }
 }

@@ -49,7 +49,7 @@ pub(crate) fn find(
     let doubtful = first.lamp.is_none() && first.unexplained_shade(&evidence);
     if doubtful {
         // Shadow that no lamp explains may be boxes as dark as shadow: they must not be lost.
-        let evidence = Evidence::of(photo, map, look, robot, false);
+        let evidence = evidence.without_shadows(look, robot);
         return Scene::explain(photo, map, look, viewpoint, &evidence).finish(photo, map, look);
     }
     first.finish(photo, map, look)

@@ -63,13 +63,24 @@ pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Option<Shadow> {
     let lit: Vec<f32> = view.points.iter().map(|&point| floor.lit(point)[0]).collect();
     let mean = median(&mut lit.clone());
     let mut best: Option<(f32, Shadow)> = None;
+    let inside: Vec<bool> =
+        view.points.iter().map(|&point| floor.inside(point) > BORDER_BLUR).collect();
+    let shallowest = -DEPTH_STEP * DEPTHS.start as f32;
     for even in [None, Some(mean)] {
         let extra = |index: usize| even.map_or(0.0, |mean| lit[index] - mean);
+        // Most cells are lit floor, too bright for any depth.
+        let dark: Vec<Feature> = (view.residuals.cells().iter().enumerate())
+            .map(|(index, seen)| (index, [seen[0] + extra(index), seen[1], seen[2]]))
+            .filter(|&(index, seen)| {
+                inside[index] && seen[0] < shallowest + reach(floor, shallowest) + 1e-3
+            })
+            .map(|(_, seen)| seen)
+            .collect();
         for index in DEPTHS {
             let depth = -DEPTH_STEP * index as f32;
-            let Some(shadow) = turned(view, floor, depth, even, extra) else { continue };
+            let Some(shadow) = turned(&dark, floor, depth, even) else { continue };
             let usual = ((-depth / USUAL_DEPTH).ln() / DEPTH_SPREAD).powi(2) / 2.0;
-            let score = patches(view, floor, shadow, &lit) * (-usual).exp();
+            let score = patches(view, floor, shadow, &lit, &inside) * (-usual).exp();
             if score > best.map_or(0.0, |(most, _)| most) {
                 best = Some((score, shadow));
             }
@@ -78,19 +89,17 @@ pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Option<Shadow> {
     best.map(|(_, shadow)| shadow)
 }
 
-/// Shadow of a depth with the chroma that the cells of that depth have.
-fn turned(
-    view: &Residuals,
-    floor: &FloorModel,
-    depth: f32,
-    even: Option<f32>,
-    extra: impl Fn(usize) -> f32,
-) -> Option<Shadow> {
+/// How far the brightness of cells that tell the chroma of a depth may lie from it.
+fn reach(floor: &FloorModel, depth: f32) -> f32 {
+    (DEPTH_TOLERANCE * -depth).max(2.0 * floor.spread[0]) / 2.0
+}
+
+/// Shadow of a depth with the chroma that the cells of that depth have, from all `dark` cells.
+fn turned(dark: &[Feature], floor: &FloorModel, depth: f32, even: Option<f32>) -> Option<Shadow> {
     let mut chroma: [Vec<f32>; 2] = Default::default();
-    let reach = (DEPTH_TOLERANCE * -depth).max(2.0 * floor.spread[0]) / 2.0;
-    for (index, seen) in view.residuals.cells().iter().enumerate() {
-        let near = floor.inside(view.points[index]) > BORDER_BLUR
-            && (seen[0] + extra(index) - depth).abs() < reach;
+    let reach = reach(floor, depth);
+    for seen in dark {
+        let near = (seen[0] - depth).abs() < reach;
         let plain = (0..2).all(|part| seen[part + 1].abs() < MOST_TURN[part] * -depth + 0.02);
         if near && plain {
             chroma.iter_mut().zip(&seen[1..]).for_each(|(list, &value)| list.push(value));
@@ -102,7 +111,13 @@ fn turned(
 }
 
 /// The sum of the square roots of the sizes of all patches of a shadow's colour.
-fn patches(view: &Residuals, floor: &FloorModel, shadow: Shadow, lit: &[f32]) -> f32 {
+fn patches(
+    view: &Residuals,
+    floor: &FloorModel,
+    shadow: Shadow,
+    lit: &[f32],
+    inside: &[bool],
+) -> f32 {
     let (width, height) = (view.residuals.width(), view.residuals.height());
     let core = Raster::from_fn(width, height, |column, row| {
         let index = row * width + column;
@@ -110,8 +125,7 @@ fn patches(view: &Residuals, floor: &FloorModel, shadow: Shadow, lit: &[f32]) ->
         let seen = view.residuals.cells()[index];
         let near = (seen[0] - offset[0]).abs()
             < DEPTH_TOLERANCE * -offset[0] + SAME_DEPTH * floor.spread[0];
-        let inside = floor.inside(view.points[index]) > BORDER_BLUR;
-        inside && near && floor.tells_shadow(offset) && floor.off_shadow(seen, offset) < SAME
+        inside[index] && near && floor.tells_shadow(offset) && floor.off_shadow(seen, offset) < SAME
     });
     let inner = Raster::from_fn(width, height, |column, row| {
         let (x, y) = (column as i64, row as i64);
