@@ -77,3 +77,45 @@ fn union(a: Rect, b: Rect) -> Rect {
 fn overlap(a: Rect, b: Rect) -> bool {
     a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::evidence::Evidence;
+    use super::*;
+    use crate::geometry::{Arena, Point};
+    use crate::vision::PlanFrame;
+
+    #[test]
+    fn candidates_that_are_kept_gain_what_they_would_if_looked_at_anew() {
+        let drawn =
+            [(0.3, 0.3), (0.45, 0.5), (1.5, 0.6)].map(|(x, y)| Rect::new(x, y, x + 0.2, y + 0.2));
+        let frame =
+            PlanFrame { arena: Arena { width: 2.0, height: 1.0 }, scale: 100.0, margin: 0.1 };
+        let (width, height) = frame.size();
+        let features = Raster::from_fn(width, height, |column, row| {
+            let point = frame.point(column as f64, row as f64);
+            let dark = drawn.iter().position(|rect| rect.contains(point));
+            [dark.map_or(0.0, |index| -1.0 - 0.2 * index as f32), 0.0, 0.0]
+        });
+        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
+        let (weight, shade) =
+            (Raster::filled(width, height, 1.0), Raster::filled(width, height, 0.0));
+        let evidence = Evidence { frame, features, background, weight, shade };
+        let search = Search { evidence: &evidence, foot: Some(Point::new(1.0, 0.5)), lamp: None };
+        let starts = drawn.map(|base| LeaningBox { base, lean: 1.02 });
+        let mut cost = search.unexplained();
+        let mut kept: Vec<Candidate> =
+            starts.iter().map(|&seen| search.candidate(seen, &cost)).collect();
+        for _ in 0..drawn.len() {
+            let best = search.best(&mut kept, &cost).unwrap();
+            let mut anew: Vec<Candidate> =
+                starts.iter().map(|&seen| search.candidate(seen, &cost)).collect();
+            let expected = search.best(&mut anew, &cost).unwrap();
+            assert_eq!((best.gain, best.seen), (expected.gain, expected.seen));
+            search.explain(&mut cost, best.seen);
+            search.renew(&mut kept, &cost, best.seen);
+        }
+        // Far from the last box nothing was looked at again.
+        assert!(kept.iter().any(|candidate| candidate.improved.is_some()));
+    }
+}
