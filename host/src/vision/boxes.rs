@@ -210,16 +210,16 @@ impl Search<'_> {
             return f32::NEG_INFINITY;
         }
         let faces = self.faces(seen, cost);
+        let (weight, features) = (self.evidence.weight.cells(), self.evidence.features.cells());
+        let costs = cost.cells();
         let mut gain = 0.0;
         self.each_cell(seen, |index, face, rim| {
             let saved = if rim {
-                RIM_SHARE * (cost.cells()[index] - 0.5)
+                RIM_SHARE * (costs[index] - 0.5)
             } else {
-                cost.cells()[index]
-                    - face_cost(self.evidence.features.cells()[index], faces[face as usize].colour)
-                    - CELL_CHARGE
+                costs[index] - face_cost(features[index], faces[face as usize].colour) - CELL_CHARGE
             };
-            gain += self.evidence.weight.cells()[index] * saved;
+            gain += weight[index] * saved;
         });
         for (side, length) in
             [(Face::AcrossX, base.y1 - base.y0), (Face::AcrossY, base.x1 - base.x0)]
@@ -257,13 +257,15 @@ impl Search<'_> {
     /// The mean colour and size of each face; cells that are likely background hardly count.
     fn faces(&self, seen: LeaningBox, cost: &Raster<f32>) -> [FaceColour; 3] {
         let mut faces = [FaceColour::default(); 3];
+        let (weight, features) = (self.evidence.weight.cells(), self.evidence.features.cells());
+        let costs = cost.cells();
         self.each_cell(seen, |index, face, rim| {
             let share = if rim { 0.02 } else { 1.0 };
-            let counts = self.evidence.weight.cells()[index] * (cost.cells()[index] + 0.05) * share;
+            let counts = weight[index] * (costs[index] + 0.05) * share;
             let face = &mut faces[face as usize];
             face.weight += counts;
-            face.cells += self.evidence.weight.cells()[index];
-            for (sum, value) in face.colour.iter_mut().zip(self.evidence.features.cells()[index]) {
+            face.cells += weight[index];
+            for (sum, value) in face.colour.iter_mut().zip(features[index]) {
                 *sum += counts * value;
             }
         });

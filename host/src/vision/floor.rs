@@ -50,7 +50,7 @@ pub(crate) fn feature(light: [f32; 3]) -> Feature {
 #[derive(Clone, Debug)]
 pub(crate) struct FloorModel {
     arena: Arena,
-    terms: usize,
+    /// Those of orders that were not fitted are 0.
     coefficients: [[f64; MOST_TERMS]; 3],
     /// Standard deviations of the three parts of the feature.
     pub(crate) spread: [f32; 3],
@@ -83,7 +83,6 @@ impl FloorModel {
         let start = densest(&samples)?;
         let mut model = Self {
             arena,
-            terms: 1,
             coefficients: [[0.0; MOST_TERMS]; 3],
             spread: [0.08, 0.04, 0.04],
             shadow: None,
@@ -100,9 +99,7 @@ impl FloorModel {
     /// The lit floor's feature at a point.
     pub(crate) fn lit(&self, point: Point) -> Feature {
         let terms = self.monomials(point);
-        self.coefficients.map(|row| {
-            row.iter().zip(terms).take(self.terms).map(|(c, t)| c * t).sum::<f64>() as f32
-        })
+        self.coefficients.map(|row| row.iter().zip(terms).map(|(c, t)| c * t).sum::<f64>() as f32)
     }
 
     /// `seen` less the lit floor's feature at a point.
@@ -232,7 +229,6 @@ impl FloorModel {
                 .zip(factor.solve(&DVector::from_column_slice(&right[..terms])).iter())
                 .for_each(|(value, solved)| *value = *solved);
         }
-        self.terms = terms;
         for part in 0..3 {
             self.spread[part] = (1.4826 * median(&mut inliers[part])).max(LEAST_SPREAD[part]);
         }

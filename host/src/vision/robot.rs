@@ -113,9 +113,12 @@ fn gradient(look: &Look, column: usize, row: usize) -> Option<(f64, f64)> {
         let spread = look.floor.spread[part];
         ((right[part] - left[part]) / spread, (down[part] - up[part]) / spread)
     };
-    let strongest = [part(0), part(1), part(2)]
-        .into_iter()
-        .max_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)))?;
+    let parts = [part(0), part(1), part(2)];
+    // A length is at most √2 times its greater component: most of the floor needs no roots.
+    if parts.iter().all(|(x, y)| x.abs().max(y.abs()) < 0.7 * LEAST_GRADIENT) {
+        return None;
+    }
+    let strongest = parts.into_iter().max_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)))?;
     let length = strongest.0.hypot(strongest.1);
     (length > LEAST_GRADIENT)
         .then(|| (f64::from(strongest.0 / length), f64::from(strongest.1 / length)))
