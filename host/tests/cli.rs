@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.json");
 const PAPER_PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.png");
@@ -437,6 +437,8 @@ fn a_robot_led_away_from_a_box_keeps_its_margin_from_there() {
 fn a_result_that_cannot_be_written_is_an_error() {
     let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
-    let status = command.args(["plan", PAPER]).stdout(full).status().unwrap();
-    assert_eq!(status.code(), Some(3));
+    let output =
+        command.args(["plan", PAPER]).stdout(full).stderr(Stdio::piped()).output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("cannot write"));
 }
