@@ -17,35 +17,15 @@
 //! | x | ln of r, ρ and b over what the robot uses now | – |
 //! | J | change of the predicted ends with x | m, rad |
 
-use crate::geometry::{Point, Pose};
-use crate::legs::named;
-use nalgebra::{DVector, Matrix3, Vector3};
-use protocol::motion::{Direction, Leg, Pose as WirePose, Position, Timing};
-use protocol::parameters::Parameters;
-use protocol::units::{Metres, Radians};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+mod course;
 
-/// What the robot drives to be calibrated, from the origin along +x.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Course {
-    /// Straight ahead.
-    Straight {
-        /// How far, m.
-        length: f64,
-    },
-    /// On the spot to the left, thirds of a turn at a time.
-    Spin {
-        /// Whole turns.
-        turns: u32,
-    },
-    /// A square back to its start.
-    Square {
-        /// Its side, m.
-        side: f64,
-        /// Whether its corners turn left.
-        left: bool,
-    },
-}
+pub use course::Course;
+
+use crate::geometry::Pose;
+use course::Move;
+use nalgebra::{DVector, Matrix3, Vector3};
+use protocol::parameters::Parameters;
+use protocol::units::Metres;
 
 /// One course driven and its end measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,65 +92,6 @@ const HEADING_ARM: f64 = 0.3;
 /// What well-measured runs may leave unexplained, m.
 const LARGEST_RMS: f64 = 0.05;
 const ITERATIONS: usize = 12;
-
-/// A piece of a course, as the robot believes to drive it.
-#[derive(Clone, Copy)]
-enum Move {
-    Drive(f64),
-    Turn(f64),
-}
-
-impl Course {
-    /// The courses that determine all lengths, with squares of `side` metres.
-    pub fn all(side: f64) -> [Self; 6] {
-        let (left, right) = (Self::Square { side, left: true }, Self::Square { side, left: false });
-        [Self::Straight { length: side }, Self::Spin { turns: 5 }, left, right, left, right]
-    }
-
-    /// The plan that drives the course.
-    pub fn legs(self) -> Vec<Leg> {
-        let mut from = WirePose::default();
-        let mut legs = Vec::new();
-        let mut leg = |goal: Point, heading: Option<f64>, arrival: f64| {
-            let goal = Position::new(goal.x as f32, goal.y as f32);
-            let goal_heading = heading.map(|heading| Radians(heading as f32).wrapped());
-            let (index, start) = (legs.len() as u16, from);
-            let (direction, timing) = (Direction::Forward, Timing::Limits);
-            legs.push(Leg { plan: 0, index, start, goal, goal_heading, direction, timing });
-            let heading = goal_heading.unwrap_or(Radians(arrival as f32));
-            from = WirePose { x: goal.x, y: goal.y, heading };
-        };
-        match self {
-            Self::Straight { length } => leg(Point::new(length, 0.0), None, 0.0),
-            Self::Spin { turns } => {
-                for third in 1..=3 * turns {
-                    let heading = f64::from(third % 3) * TAU / 3.0;
-                    leg(Point::new(0.0, 0.0), Some(heading), heading);
-                }
-            }
-            Self::Square { side, left } => {
-                let up = if left { side } else { -side };
-                let turn = FRAC_PI_2.copysign(up);
-                leg(Point::new(side, 0.0), None, 0.0);
-                leg(Point::new(side, up), None, turn);
-                leg(Point::new(0.0, up), None, PI);
-                leg(Point::new(0.0, 0.0), Some(0.0), 0.0);
-            }
-        }
-        named(legs)
-    }
-
-    fn moves(self) -> Vec<Move> {
-        match self {
-            Self::Straight { length } => vec![Move::Drive(length)],
-            Self::Spin { turns } => vec![Move::Turn(f64::from(turns) * TAU)],
-            Self::Square { side, left } => {
-                let turn = if left { FRAC_PI_2 } else { -FRAC_PI_2 };
-                [Move::Drive(side), Move::Turn(turn)].repeat(4)
-            }
-        }
-    }
-}
 
 /// The lengths under which `runs`, driven with `used`, end where they were measured.
 ///
@@ -317,6 +238,7 @@ pub fn seen_from(origin: Pose, pose: Pose) -> Pose {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
 
     const USED: BaseLengths = BaseLengths { wheel_radius: 0.035, wheel_ratio: 1.0, track: 0.12 };
 

@@ -7,7 +7,7 @@ use super::folder::Folder;
 use super::input::{self, Sight};
 use super::mission::{self, Resume, place};
 use super::output::Output;
-use super::run::{Driven, Run};
+use super::run::{Driven, Run, count_of_legs};
 use super::way::{self, MarginRule, PlannedWay};
 use host::geometry::{Point, Pose};
 use protocol::motion::Limits;
@@ -74,11 +74,6 @@ pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
     let help = "look for slipping wheels, then drive again";
     let error = CliError::new(Exit::Robot, "robot.missed", message, help);
     Err(CliError { after_result: true, ..error })
-}
-
-/// `1 leg` or `3 legs`.
-pub(crate) fn count_of_legs(count: usize) -> String {
-    format!("{count} leg{}", if count == 1 { "" } else { "s" })
 }
 
 /// A run, for people.

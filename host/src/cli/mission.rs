@@ -4,7 +4,7 @@ use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
 use super::resume::Memory;
-use super::run::{Driven, Run, RunClock};
+use super::run::{Driven, Run, RunClock, count_of_legs};
 use host::geometry::Pose;
 use host::link::mission::{Mission, MissionError, MissionEvent};
 use host::link::{LinkClient, PATIENCE};
@@ -59,8 +59,7 @@ pub(crate) fn drive(
     let robot = connect(&mut client)?;
     let limits = robot.limits;
     let legs = legs(&limits);
-    let plural = if legs.len() == 1 { "" } else { "s" };
-    output.say(&format!("robot: {}; {} leg{plural}", describe_robot(&robot), legs.len()));
+    output.say(&format!("robot: {}; {}", describe_robot(&robot), count_of_legs(legs.len())));
     let mut run = Run::new(legs.clone(), limits, start);
     if run.legs.is_empty() {
         run.truth = client.port_mut().truth();

@@ -1,12 +1,12 @@
 //! `wmr plan`: the way from start to goal.
 
 use super::args::PlanArgs;
-use super::drive::count_of_legs;
 use super::error::CliError;
 use super::folder::{Folder, write_file};
 use super::input::{self, Sight};
 use super::output::Output;
 use super::queries;
+use super::run::count_of_legs;
 use super::way::{self, MarginRule, PlannedWay};
 use serde_json::json;
 

@@ -179,6 +179,11 @@ fn difference(goal: Pose, pose: Pose) -> (f64, f64) {
     (Point::distance(goal.position, pose.position), (turn - std::f64::consts::PI).abs())
 }
 
+/// `1 leg` or `3 legs`.
+pub(crate) fn count_of_legs(count: usize) -> String {
+    format!("{count} leg{}", if count == 1 { "" } else { "s" })
+}
+
 /// The name of a state in files.
 pub(crate) fn state_name(state: State) -> &'static str {
     match state {

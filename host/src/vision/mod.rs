@@ -25,6 +25,7 @@ mod brightness_view;
 mod camera;
 mod candidates;
 mod detect;
+mod disc;
 mod edges;
 mod error;
 mod evidence;

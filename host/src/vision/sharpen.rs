@@ -304,7 +304,7 @@ fn middle(rect: Rect, side: usize) -> Point {
 }
 
 /// The point at a share of an edge, moved `outward`, metres.
-fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
+pub(super) fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
     let (x, y) = (rect.x0 + along * (rect.x1 - rect.x0), rect.y0 + along * (rect.y1 - rect.y0));
     match side {
         0 => Point::new(rect.x0 - outward, y),

@@ -17,6 +17,7 @@ use super::super::leaning::LeaningBox;
 use super::super::photo::Photo;
 use super::super::plan_map::PlanMap;
 use super::super::profile::step;
+use super::super::sharpen::at;
 use super::gain::{LEAST_HEIGHT, MOST_HEIGHT};
 use super::pair::Sight;
 use super::raised::{RaisedBox, lean};
@@ -194,17 +195,6 @@ fn on_walls(mut refined: Refined, arena: Arena, reach: f64) -> Refined {
     }
     refined.raised.base = edges.into();
     refined
-}
-
-/// The point at a share of an edge, moved `outward`, metres.
-fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
-    let (x, y) = (rect.x0 + along * (rect.x1 - rect.x0), rect.y0 + along * (rect.y1 - rect.y0));
-    match side {
-        0 => Point::new(rect.x0 - outward, y),
-        1 => Point::new(x, rect.y0 - outward),
-        2 => Point::new(rect.x1 + outward, y),
-        _ => Point::new(x, rect.y1 + outward),
-    }
 }
 
 /// One edge of a rectangle on the floor's plane and how a picture shows it.
