@@ -31,6 +31,7 @@ mod error;
 mod evidence;
 mod faults;
 mod floor;
+mod implausible;
 mod lamp;
 mod leaning;
 mod lines;

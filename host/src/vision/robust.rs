@@ -6,6 +6,7 @@
 
 use super::boxes::Search;
 use super::evidence::Evidence;
+use super::implausible::{fades_into_floor, is_part_of_robot, is_part_of_wall};
 use super::lamp::Lamp;
 use super::leaning::LeaningBox;
 use super::look::Look;
@@ -15,14 +16,11 @@ use super::proposals::proposals;
 use super::robot::RobotTop;
 use super::sharpen::{Bounded, Sharpener};
 use super::viewpoint::Viewpoint;
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Point, Rect};
 
 /// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
 const LEAN_GAIN: f32 = 0.012;
 const SHOWN_WEIGHT: f32 = 0.03;
-
-/// The face of a wall, or its blur, is at most this wide, metres; a gap as narrow leads nowhere.
-const WALL_FACE: f64 = 0.035;
 /// Shadow of this many square metres matters.
 const LEAST_SHADE: f64 = 0.002;
 
@@ -50,9 +48,10 @@ pub(crate) fn find(
     if doubtful {
         // Shadow that no lamp explains may be boxes as dark as shadow: they must not be lost.
         let evidence = evidence.without_shadows(look, robot);
-        return Scene::explain(photo, map, look, viewpoint, &evidence).finish(photo, map, look);
+        return Scene::explain(photo, map, look, viewpoint, &evidence)
+            .finish(photo, map, look, robot);
     }
-    first.finish(photo, map, look)
+    first.finish(photo, map, look, robot)
 }
 
 /// The explanation of a picture.
@@ -102,35 +101,24 @@ impl Scene {
         f64::from(shaded) > LEAST_SHADE * evidence.frame.scale.powi(2)
     }
 
-    /// The boxes brought to a fraction of a pixel.
-    fn finish(self, photo: &Photo, map: &PlanMap, look: &Look) -> Found {
+    /// The boxes brought to a fraction of a pixel, without what cannot be one.
+    fn finish(self, photo: &Photo, map: &PlanMap, look: &Look, robot: Option<RobotTop>) -> Found {
         let tools = Sharpener { photo, map, look, foot: self.foot, lit: self.lamp.is_some() };
         let arena = look.frame.arena;
-        let boxes = self.boxes.into_iter().map(|seen| tools.sharpen(seen));
-        let boxes = boxes.filter(|bounded| !is_part_of_wall(bounded.rect, arena)).collect();
-        Found { boxes, leans: self.leans }
+        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+        let outline = |seen: &LeaningBox| seen.bounds(self.foot.unwrap_or(middle));
+        let seen = self.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), look));
+        let boxes = seen.map(|seen| tools.sharpen(seen)).filter(|bounded| {
+            !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, robot)
+        });
+        Found { boxes: boxes.collect(), leans: self.leans }
     }
-}
-
-/// Whether a rectangle is as thin as the visible face of a wall and lies along one.
-fn is_part_of_wall(rect: Rect, arena: Arena) -> bool {
-    let thin =
-        |low: f64, high: f64, length: f64| high - low < WALL_FACE && (low <= 0.0 || high >= length);
-    thin(rect.x0, rect.x1, arena.width) || thin(rect.y0, rect.y1, arena.height)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn faces_of_walls_are_no_boxes() {
-        let arena = Arena { width: 2.0, height: 1.0 };
-        assert!(is_part_of_wall(Rect::new(0.0, 0.2, 0.03, 0.9), arena));
-        assert!(is_part_of_wall(Rect::new(0.4, 0.98, 0.9, 1.0), arena));
-        assert!(!is_part_of_wall(Rect::new(0.0, 0.2, 0.05, 0.9), arena));
-        assert!(!is_part_of_wall(Rect::new(0.1, 0.2, 0.13, 0.9), arena));
-    }
+    use crate::geometry::Arena;
 
     #[test]
     fn a_dark_square_seen_from_far_away_stands_where_it_appears() {
