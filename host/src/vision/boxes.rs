@@ -99,6 +99,18 @@ impl Search<'_> {
         cost
     }
 
+    /// The share of the shadow that neither lies in the outline of a box nor is cast by one.
+    pub(crate) fn unexplained_shade(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.unexplained();
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let (mut left, mut all) = (0.0, 0.0);
+        for (shade, cost) in self.evidence.shade.cells().iter().zip(cost.cells()) {
+            all += shade.max(0.0);
+            left += if *cost < SHADOW_DOUBT * shade { 0.0 } else { shade.max(0.0) };
+        }
+        left / all.max(1.0)
+    }
+
     /// Calls `visit` with the index of every cell that a box puts in shadow.
     fn each_shaded(&self, seen: LeaningBox, mut visit: impl FnMut(usize)) {
         let Some(lamp) = self.lamp else { return };

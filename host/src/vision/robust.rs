@@ -23,6 +23,8 @@ const LEAN_GAIN: f32 = 0.012;
 const SHOWN_WEIGHT: f32 = 0.03;
 /// Shadow of this many square metres matters.
 const LEAST_SHADE: f64 = 0.002;
+/// The share of all shadow that a lamp may leave unexplained.
+const MOST_LEFT: f32 = 0.25;
 
 /// The boxes of a picture.
 pub(crate) struct Found {
@@ -35,6 +37,10 @@ pub(crate) struct Found {
 ///
 /// They are sought twice, upright and leaning away from the camera's foot point. From far away no lean
 /// can be seen, and a free lean only fits noise; so leaning boxes must explain more or show sides.
+///
+/// Shadow that no lamp explains may be boxes as dark as shadow, which must not be lost. Then all that is
+/// dark is taken for boxes. If the shadows of these tell the lamp after all, and the lamp leaves little
+/// shadow unexplained, its boxes are taken; else what is dark stays an obstacle.
 pub(crate) fn find(
     photo: &Photo,
     map: &PlanMap,
@@ -42,16 +48,21 @@ pub(crate) fn find(
     robot: Option<RobotTop>,
     viewpoint: Option<Viewpoint>,
 ) -> Found {
+    let picture = Picture { photo, map, look, robot, viewpoint };
     let evidence = Evidence::of(photo, map, look, robot, true);
-    let first = Scene::explain(photo, map, look, viewpoint, &evidence);
-    let doubtful = first.lamp.is_none() && first.unexplained_shade(&evidence);
-    if doubtful {
-        // Shadow that no lamp explains may be boxes as dark as shadow: they must not be lost.
-        let evidence = evidence.without_shadows(look, robot);
-        return Scene::explain(photo, map, look, viewpoint, &evidence)
-            .finish(photo, map, look, robot);
+    let first = picture.explain(&evidence);
+    if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
+        return picture.finish(first);
     }
-    first.finish(photo, map, look, robot)
+    let dark = picture.explain(&evidence.without_shadows(look, robot));
+    let lit = dark.lamp.and_then(|lamp| picture.lit(&evidence, lamp, &dark.boxes));
+    picture.finish(lit.unwrap_or(dark))
+}
+
+/// How much of the floor is in shadow, square metres.
+fn shade(evidence: &Evidence) -> f64 {
+    let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
+    f64::from(shaded) / evidence.frame.scale.powi(2)
 }
 
 /// The explanation of a picture.
@@ -62,57 +73,70 @@ struct Scene {
     leans: Option<bool>,
 }
 
-impl Scene {
+/// A picture and what is known of it before boxes are sought.
+struct Picture<'a> {
+    photo: &'a Photo,
+    map: &'a PlanMap,
+    look: &'a Look,
+    robot: Option<RobotTop>,
+    viewpoint: Option<Viewpoint>,
+}
+
+impl Picture<'_> {
     /// Seeks boxes upright, leaning, and once more with the lamp if the shadows of those tell it.
-    fn explain(
-        photo: &Photo,
-        map: &PlanMap,
-        look: &Look,
-        viewpoint: Option<Viewpoint>,
-        evidence: &Evidence,
-    ) -> Self {
+    fn explain(&self, evidence: &Evidence) -> Scene {
         let rects = proposals(evidence);
         let upright = Search { evidence, foot: None, lamp: None };
         let flat = upright.run(&rects);
-        let foot = viewpoint.map(|view| view.foot);
+        let foot = self.viewpoint.map(|view| view.foot);
         let search = Search { evidence, foot, lamp: None };
-        let with = |found: &[LeaningBox]| -> Vec<Rect> {
-            rects.iter().copied().chain(found.iter().map(|seen| seen.base)).collect()
-        };
-        let leaning = search.run(&with(&flat));
-        let sharpener = Sharpener { photo, map, look, foot, lit: false };
-        let lamp = viewpoint.and_then(|view| {
+        let leaning = search.run(&with(&rects, &flat));
+        let sharpener = self.sharpener(foot, false);
+        let lamp = self.viewpoint.and_then(|view| {
             let leans: Vec<_> = leaning.iter().map(|&seen| sharpener.shown_lean(seen)).collect();
             Lamp::of(evidence, &leaning, &leans, view.foot, view.height)
         });
         let search = Search { lamp, ..search };
-        let leaning = if lamp.is_some() { search.run(&with(&leaning)) } else { leaning };
+        let leaning = if lamp.is_some() { search.run(&with(&rects, &leaning)) } else { leaning };
         let shown = leaning.iter().filter(|&&seen| sharpener.shown_lean(seen).is_some()).count();
         let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
         let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
         let any = !(flat.is_empty() && leaning.is_empty());
         let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
-        Self { boxes, foot, lamp, leans: any.then_some(leans) }
+        Scene { boxes, foot, lamp, leans: any.then_some(leans) }
     }
 
-    /// Whether there is shadow that matters though no lamp explains it.
-    fn unexplained_shade(&self, evidence: &Evidence) -> bool {
-        let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
-        f64::from(shaded) > LEAST_SHADE * evidence.frame.scale.powi(2)
+    /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.
+    fn lit(&self, evidence: &Evidence, lamp: Lamp, dark: &[LeaningBox]) -> Option<Scene> {
+        let foot = self.viewpoint.map(|view| view.foot);
+        let search = Search { evidence, foot, lamp: Some(lamp) };
+        let boxes = search.run(&with(&proposals(evidence), dark));
+        let left = search.unexplained_shade(&boxes);
+        (left < MOST_LEFT).then_some(Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) })
     }
 
     /// The boxes brought to a fraction of a pixel, without what cannot be one.
-    fn finish(self, photo: &Photo, map: &PlanMap, look: &Look, robot: Option<RobotTop>) -> Found {
-        let tools = Sharpener { photo, map, look, foot: self.foot, lit: self.lamp.is_some() };
-        let arena = look.frame.arena;
+    fn finish(&self, scene: Scene) -> Found {
+        let tools = self.sharpener(scene.foot, scene.lamp.is_some());
+        let arena = self.look.frame.arena;
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
-        let outline = |seen: &LeaningBox| seen.bounds(self.foot.unwrap_or(middle));
-        let seen = self.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), look));
+        let outline = |seen: &LeaningBox| seen.bounds(scene.foot.unwrap_or(middle));
+        let seen =
+            scene.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), self.look));
         let boxes = seen.map(|seen| tools.sharpen(seen)).filter(|bounded| {
-            !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, robot)
+            !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
         });
-        Found { boxes: boxes.collect(), leans: self.leans }
+        Found { boxes: boxes.collect(), leans: scene.leans }
     }
+
+    fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
+        Sharpener { photo: self.photo, map: self.map, look: self.look, foot, lit }
+    }
+}
+
+/// Rectangles and the footprints of boxes that were found before.
+fn with(rects: &[Rect], found: &[LeaningBox]) -> Vec<Rect> {
+    rects.iter().copied().chain(found.iter().map(|seen| seen.base)).collect()
 }
 
 #[cfg(test)]
