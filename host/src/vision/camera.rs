@@ -41,6 +41,9 @@ pub struct Camera {
     pub translation: [f64; 3],
 }
 
+/// How far the foot point of a calibrated camera may be off, metres.
+const CALIBRATED: f64 = 0.02;
+
 impl Camera {
     /// The map from floor to photo that this camera makes.
     ///
@@ -73,7 +76,8 @@ impl Camera {
     pub(crate) fn viewpoint(&self) -> Option<Viewpoint> {
         let centre = -(self.turn().transpose() * Vector3::from(self.translation));
         let perspective = self.model == CameraModel::Perspective;
-        perspective.then_some(Viewpoint { foot: Point::new(centre.x, centre.y), height: centre.z })
+        let foot = Point::new(centre.x, centre.y);
+        perspective.then_some(Viewpoint { foot, height: centre.z, spread: CALIBRATED })
     }
 
     fn turn(&self) -> Matrix3<f64> {

@@ -130,7 +130,8 @@ impl Picture<'_> {
     }
 
     fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
-        Sharpener { photo: self.photo, map: self.map, look: self.look, foot, lit }
+        let foot_error = self.viewpoint.map_or(0.0, |view| view.spread);
+        Sharpener { photo: self.photo, map: self.map, look: self.look, foot, foot_error, lit }
     }
 }
 

@@ -46,9 +46,7 @@ const GUESS_DISTANCE: f64 = 0.3;
 /// sides show it and where only the shadow does.
 const LEAN_MARGIN: f64 = 0.01;
 const SHOWN_DOUBT: f64 = 0.2;
-const SHADED_DOUBT: f64 = 0.4;
-/// How far the camera's foot point may be off, metres.
-const FOOT_ERROR: f64 = 0.05;
+const SHADED_DOUBT: f64 = 0.8;
 /// The distance of samples across a side, pixels, and of the leans that are tried.
 const SIDE_STEP: f64 = 0.5;
 const LEAN_STEP: f64 = 0.0025;
@@ -70,6 +68,8 @@ pub(crate) struct Sharpener<'a> {
     pub(crate) look: &'a Look,
     /// The camera's foot point; `None` if boxes do not lean.
     pub(crate) foot: Option<Point>,
+    /// How far that may be off, metres.
+    pub(crate) foot_error: f64,
     /// Whether the lamp is known, so that shadows tell the lean of boxes.
     pub(crate) lit: bool,
 }
@@ -100,7 +100,7 @@ impl Sharpener<'_> {
             }
             self.far_edges(seen, foot, doubt, &mut edges, &mut margin);
             for margin in &mut margin {
-                *margin += FOOT_ERROR * (seen.lean - 1.0);
+                *margin += self.foot_error * (seen.lean - 1.0);
             }
             for side in 0..4 {
                 let scale = self.scale(edges.into(), side);

@@ -18,6 +18,8 @@ const COLUMN_NOISE: f64 = 0.002;
 /// Focal lengths that are tried, in steps of this factor.
 const FOCAL_STEP: f64 = 1.02;
 const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
+/// A foot point is known no better than this, metres: the axis may miss the picture's centre.
+const LEAST_SPREAD: f64 = 0.05;
 
 /// The camera's place, metres in the arena frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub(crate) struct Viewpoint {
     pub(crate) foot: Point,
     /// The camera's height above the floor; only a guess if seen straight from above.
     pub(crate) height: f64,
+    /// How far the foot point may be off (one standard deviation), metres.
+    pub(crate) spread: f64,
 }
 
 impl Viewpoint {
@@ -45,17 +49,23 @@ impl Viewpoint {
     pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
         let homography = map.centred_homography();
         let width = photo.width() as f64;
-        let mut best: Option<(f64, f64)> = None;
-        for focal in focal_lengths() {
-            let cost = misfit(&homography, focal * width)
-                + ((focal / USUAL_FOCAL).ln() / FOCAL_SPREAD).powi(2);
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, focal * width));
+        let cost = |focal: f64| {
+            misfit(&homography, focal * width) + ((focal / USUAL_FOCAL).ln() / FOCAL_SPREAD).powi(2)
+        };
+        let costs: Vec<(f64, f64)> = focal_lengths().map(|focal| (cost(focal), focal)).collect();
+        let &(least, focal) = costs.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let [x, y, height] = centre(&homography, focal * width)?;
+        let foot = Point::new(x, y);
+        // The mean square distance of the foot points of all focal lengths, by how likely each is.
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (cost, focal) in costs {
+            let weight = (0.5 * (least - cost)).exp();
+            if let Some([x, y, _]) = centre(&homography, focal * width) {
+                sum += weight * foot.distance(Point::new(x, y)).powi(2);
+                weights += weight;
             }
         }
-        let (_, focal) = best?;
-        let [x, y, z] = centre(&homography, focal)?;
-        Some(Self { foot: Point::new(x, y), height: z })
+        Some(Self { foot, height, spread: (sum / weights).sqrt().hypot(LEAST_SPREAD) })
     }
 }
 
