@@ -146,29 +146,56 @@ fn patches(
 }
 
 /// The cells brighter than the floor's model that grow out of it without an edge.
+///
+/// One place where a box and the floor happen to be equally bright must not open the box: around most of
+/// a highlight the floor goes over into it smoothly.
 pub(crate) fn highlights(floor: &FloorModel, view: &Residuals, sure: f32) -> Raster<bool> {
-    let (width, height) = (view.residuals.width(), view.residuals.height());
     let cells = view.residuals.cells();
-    let mut reached: Raster<bool> =
-        view.residuals.map(|residual| floor.difference_of(residual).lit < sure);
+    let lit = view.residuals.map(|residual| floor.difference_of(residual).lit < sure);
+    let smooth = |a: usize, b: usize| {
+        (0..3).all(|part| {
+            (cells[a][part] - cells[b][part]).abs() < SMOOTH[part].max(floor.spread[part])
+        })
+    };
+    let mut reached = lit.clone();
     let mut open: Vec<usize> = (0..cells.len()).filter(|&cell| reached.cells()[cell]).collect();
     while let Some(cell) = open.pop() {
-        let (x, y) = ((cell % width) as i64, (cell / width) as i64);
-        for (x, y) in [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)] {
-            if x < 0 || y < 0 || x >= width as i64 || y >= height as i64 {
-                continue;
-            }
-            let next = y as usize * width + x as usize;
-            let smooth = (0..3).all(|part| {
-                (cells[cell][part] - cells[next][part]).abs() < SMOOTH[part].max(floor.spread[part])
-            });
-            if !reached.cells()[next] && cells[next][0] > -2.0 * floor.spread[0] && smooth {
+        for next in neighbours(&lit, cell) {
+            let dark = cells[next][0] <= -2.0 * floor.spread[0];
+            if !reached.cells()[next] && !dark && smooth(cell, next) {
                 reached.cells_mut()[next] = true;
                 open.push(next);
             }
         }
     }
-    reached
+    let glow = Raster::from_fn(lit.width(), lit.height(), |column, row| {
+        let cell = row * lit.width() + column;
+        reached.cells()[cell] && !lit.cells()[cell]
+    });
+    let (patches, count) = glow.regions(true);
+    let mut rims = vec![[0usize; 2]; count + 1];
+    for (cell, &patch) in patches.cells().iter().enumerate().filter(|&(_, &patch)| patch > 0) {
+        for next in neighbours(&lit, cell).filter(|&next| lit.cells()[next]) {
+            rims[patch as usize][usize::from(smooth(cell, next))] += 1;
+        }
+    }
+    let edged = |patch: u32| patch > 0 && rims[patch as usize][0] > rims[patch as usize][1];
+    let glows = patches.map(|patch| !edged(patch));
+    Raster::from_fn(lit.width(), lit.height(), |column, row| {
+        let cell = row * lit.width() + column;
+        reached.cells()[cell] && glows.cells()[cell]
+    })
+}
+
+/// The cells beside a cell, by their indices.
+fn neighbours(of: &Raster<bool>, cell: usize) -> impl Iterator<Item = usize> + use<> {
+    let (width, height) = (of.width(), of.height());
+    let (x, y) = (cell % width, cell / width);
+    let left = (x > 0).then(|| cell - 1);
+    let right = (x + 1 < width).then(|| cell + 1);
+    let above = (y > 0).then(|| cell - width);
+    let below = (y + 1 < height).then(|| cell + width);
+    [left, right, above, below].into_iter().flatten()
 }
 
 #[cfg(test)]
