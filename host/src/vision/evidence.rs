@@ -24,6 +24,10 @@ const BORDER_SPREAD: Feature = [0.12, 0.06, 0.06];
 const DEEPEST: f32 = -1.5;
 /// Half shadow lies this close to lit floor and to full shadow, metres.
 const HALF_SHADOW: f64 = 0.03;
+/// The steepest rim of a shadow that is wider: shares of its depth per metre.
+const SOFTNESS: f32 = 13.0;
+/// The step from pixel to pixel of the faintest box's edge if the picture is blurred.
+const LEAST_BLURRED: f32 = 0.025;
 /// Cells within which a shadow touches what casts it.
 const TOUCH: i64 = 2;
 /// Cells this close to the border are blurred with it.
@@ -156,6 +160,7 @@ fn background(
 ) -> Raster<f32> {
     let borders = border_colours(frame, features);
     let half = half_shadow(frame, judged);
+    let soft = soft_shadow(frame, features, judged, look);
     // Without shadow, what is half dark beside lit floor is the blur of an edge.
     let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
     let lonely = lonely_shadow(frame, judged, robot);
@@ -174,7 +179,7 @@ fn background(
                     difference.lit
                 } else if blurred {
                     look.floor.off_any_shadow(look.floor.residual(point, seen), DEEPEST)
-                } else if of_robot || shadows && half.cells()[index] {
+                } else if of_robot || shadows && (half.cells()[index] || soft.cells()[index]) {
                     difference.floor
                 } else if !shadows {
                     difference.lit
@@ -210,6 +215,40 @@ fn half_shadow(frame: &PlanFrame, judged: &Raster<Difference>) -> Raster<bool> {
     Raster::from_fn(width, judged.height(), |column, row| {
         lit.cells()[row * width + column] && core.cells()[row * width + column]
     })
+}
+
+/// The cells that are reached from lit floor by way of cells that darken slowly: the rim of a large lamp's
+/// shadow may be wider than [`HALF_SHADOW`], but the edges of a box are sharp.
+fn soft_shadow(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    judged: &Raster<Difference>,
+    look: &Look,
+) -> Raster<bool> {
+    let (width, height) = (judged.width(), judged.height());
+    let mut reached = judged.map(|difference| difference.lit < SURE);
+    let Some(shadow) = look.floor.shadow else { return reached };
+    let sharpest = LEAST_BLURRED * look.frame.scale as f32;
+    let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
+    let mut open: Vec<usize> =
+        (0..judged.cells().len()).filter(|&cell| reached.cells()[cell]).collect();
+    while let Some(cell) = open.pop() {
+        let (x, y) = ((cell % width) as i64, (cell / width) as i64);
+        for (x, y) in [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)] {
+            if x < 0 || y < 0 || x >= width as i64 || y >= height as i64 {
+                continue;
+            }
+            let next = y as usize * width + x as usize;
+            let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
+            let floor = judged.cells()[next].floor < FOREIGN;
+            let inside = outside(frame.arena, frame.point(x as f64, y as f64)).is_none();
+            if !reached.cells()[next] && floor && inside && step < steepest {
+                reached.cells_mut()[next] = true;
+                open.push(next);
+            }
+        }
+    }
+    reached
 }
 
 /// The cells within `reach` columns and rows of a marked one.
