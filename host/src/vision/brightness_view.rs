@@ -1,19 +1,14 @@
 //! The plan view's brightness alone, in 8 bit, as the paper's steps want it [Alghannam, Sec. II.A].
 //!
-//! The map from floor to photo is evaluated at every sixteenth cell and taken as linear in between: over
-//! a few centimetres of floor homography and lens bend by hundredths of a pixel. Places in the photo
-//! are fixed-point numbers with 16 bits behind the point. Brightness mixes sRGB codes, as the paper does.
+//! Brightness mixes sRGB codes, as the paper does.
 
+use super::lattice::{FRACTION, Lattice, Place};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::PlanFrame;
 use super::raster::Raster;
 use crate::geometry::Point;
 
-/// Cells between exact places.
-const STEP: usize = 16;
-/// One pixel, fixed-point.
-const ONE: i32 = 1 << 16;
 /// The weights of red, green and blue (ITU-R BT.709) in 256ths.
 const WEIGHTS: [u32; 3] = [54, 183, 19];
 
@@ -40,13 +35,14 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
     let mut sums = vec![0u32; width];
     let mut view = Raster::filled(width, height, 0u8);
-    let mut lines = Lines::new(photo, map, fine, width * places);
+    let mut lattice = Lattice::new(photo, map, fine, width * places);
     let count = (places * places) as u32;
     for (row, out) in view.cells_mut().chunks_exact_mut(width.max(1)).enumerate() {
         sums.fill(0);
         for line in row * places..(row + 1) * places {
-            let (start, end) = lines.around(line);
-            add_line(photo, start, end, line % STEP, places, &mut sums);
+            for (sum, group) in sums.iter_mut().zip(lattice.line(line).chunks_exact(places)) {
+                *sum += group.iter().map(|&place| brightness_at(photo, place)).sum::<u32>();
+            }
         }
         for (cell, sum) in out.iter_mut().zip(&sums) {
             *cell = ((sum + count / 2) / count) as u8;
@@ -55,87 +51,12 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     view
 }
 
-/// A place in the photo, fixed-point.
-type Place = [i32; 2];
-
-/// The exact places of the two lines of cells around the one that is drawn.
-struct Lines<'a> {
-    photo: &'a Photo,
-    map: &'a PlanMap,
-    fine: PlanFrame,
-    columns: usize,
-    first: usize,
-    places: [Vec<Place>; 2],
-}
-
-impl<'a> Lines<'a> {
-    fn new(photo: &'a Photo, map: &'a PlanMap, fine: PlanFrame, columns: usize) -> Self {
-        let mut lines = Self { photo, map, fine, columns, first: 0, places: Default::default() };
-        lines.places = [lines.exact(0), lines.exact(STEP)];
-        lines
-    }
-
-    /// The places of every sixteenth cell of the exact lines above and below `line`.
-    fn around(&mut self, line: usize) -> (&[Place], &[Place]) {
-        let first = line / STEP * STEP;
-        if first != self.first {
-            self.places.swap(0, 1);
-            self.places[1] = self.exact(first + STEP);
-            self.first = first;
-        }
-        (&self.places[0], &self.places[1])
-    }
-
-    fn exact(&self, line: usize) -> Vec<Place> {
-        let most = |length: usize| (length - 1) as f64 - 1e-3;
-        let fixed =
-            |value: f64, length: usize| (value.clamp(0.0, most(length)) * f64::from(ONE)) as i32;
-        (0..=self.columns.div_ceil(STEP))
-            .map(|index| {
-                let point = self.fine.point((index * STEP) as f64, line as f64);
-                let [x, y] = self.map.to_photo(point);
-                [fixed(x, self.photo.width()), fixed(y, self.photo.height())]
-            })
-            .collect()
-    }
-}
-
-/// Adds the brightness along one line of fine cells, `places` of them to every cell of `sums`.
-fn add_line(
-    photo: &Photo,
-    above: &[Place],
-    below: &[Place],
-    within: usize,
-    places: usize,
-    sums: &mut [u32],
-) {
-    let mix = |index: usize| {
-        let part = |axis: usize| {
-            let (a, b) = (i64::from(above[index][axis]), i64::from(below[index][axis]));
-            (a + (b - a) * within as i64 / STEP as i64) as i32
-        };
-        [part(0), part(1)]
-    };
-    let mut column = 0;
-    let total = sums.len() * places;
-    for index in 0..above.len().saturating_sub(1) {
-        let ([mut x, mut y], [end_x, end_y]) = (mix(index), mix(index + 1));
-        let (dx, dy) = ((end_x - x) / STEP as i32, (end_y - y) / STEP as i32);
-        for _ in 0..STEP.min(total - column) {
-            sums[column / places] += brightness_at(photo, x, y);
-            column += 1;
-            x += dx;
-            y += dy;
-        }
-    }
-}
-
 /// The brightness between four pixels.
 #[inline]
-fn brightness_at(photo: &Photo, x: i32, y: i32) -> u32 {
-    let (left, top) = ((x >> 16) as usize, (y >> 16) as usize);
-    let (right, down) = ((x >> 8 & 255) as u32, (y >> 8 & 255) as u32);
-    let first = top * photo.width() + left;
+fn brightness_at(photo: &Photo, [x, y]: Place) -> u32 {
+    let part = |value: u32| (value >> (FRACTION - 8)) & 255;
+    let (right, down) = (part(x), part(y));
+    let first = (y >> FRACTION) as usize * photo.width() + (x >> FRACTION) as usize;
     let pair = |start: usize| match photo.pixels().get(start..start + 2) {
         Some([a, b]) => (256 - right) * luma(*a) + right * luma(*b),
         _ => 0,

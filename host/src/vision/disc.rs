@@ -118,7 +118,7 @@ pub(super) fn circle(
                 (0..SAMPLES).map(|i| photo.light(map.to_photo(point(i as f64)))).collect();
             points.extend(step(&lights, None).map(point));
         }
-        let Some((next, size)) = robust_circle(&points, centre, fitted, 1.0 / look.frame.scale)
+        let Some((next, size)) = robust_circle(&points, centre, fitted, 1.0 / look.view.scale)
         else {
             break;
         };

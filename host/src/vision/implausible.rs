@@ -51,10 +51,7 @@ fn step(outline: Rect, side: usize, across: f64, look: &Look) -> f32 {
     let mut sum: Feature = [0.0; 3];
     for place in 0..PLACES {
         let along = (place as f64 + 0.5) / PLACES as f64;
-        let seen = |outward: f64| {
-            let (column, row) = look.frame.cell(at(outline, side, along, outward));
-            look.features.get(column.round() as i64, row.round() as i64)
-        };
+        let seen = |outward: f64| look.seen_at(at(outline, side, along, outward));
         if let (Some(inside), Some(outside)) = (seen(-across), seen(across)) {
             sum.iter_mut().zip(inside).zip(outside).for_each(|((sum, a), b)| *sum += a - b);
         }

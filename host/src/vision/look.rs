@@ -2,10 +2,10 @@
 //!
 //! Everything after this works on it: the robot is sought in it, obstacles are what differs.
 
-use super::floor::{Difference, Feature, FloorModel, feature};
+use super::floor::{Difference, Feature, FloorModel, feature, sample_step};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
-use super::plan_view::{PlanFrame, plan_view};
+use super::plan_view::{PlanFrame, view_of};
 use super::raster::Raster;
 use super::shadow::{self, Residuals};
 use crate::geometry::{Arena, Point};
@@ -14,6 +14,8 @@ use crate::geometry::{Arena, Point};
 const MOST_CELLS: f64 = 620.0;
 /// How far the plan view reaches beyond the arena, share of the shorter side.
 const MARGIN_SHARE: f64 = 0.12;
+/// How far the colours reach beyond the arena, metres: the robot's top leans over its sides.
+const VIEW_MARGIN: f64 = 0.05;
 /// Shadow and highlights are sought with about this many cells along the longer side.
 const COARSE_CELLS: f64 = 220.0;
 /// A colour within this many standard deviations of the floor's is surely floor.
@@ -21,11 +23,13 @@ pub(crate) const SURE: f32 = 2.5;
 /// A colour this many standard deviations off the floor's is not floor.
 pub(crate) const FOREIGN: f32 = 6.0;
 
-/// A plan view, its colours and how they differ from the floor's.
+/// A plan view's colours and the floor's.
 pub(crate) struct Look {
+    /// The plan view with all that may hide parts of the arena.
     pub(crate) frame: PlanFrame,
+    /// The part of it that is looked at, and its colours.
+    pub(crate) view: PlanFrame,
     pub(crate) features: Raster<Feature>,
-    pub(crate) differences: Raster<Difference>,
     pub(crate) floor: FloorModel,
     bright: Bright,
 }
@@ -39,35 +43,35 @@ struct Bright {
 impl Look {
     /// Looks at the arena through a map; `None` if no floor colour can be learnt.
     pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
+        Self::no_finer(photo, map, arena, f64::INFINITY)
+    }
+
+    /// The same with at most `scale` cells a metre.
+    pub(crate) fn no_finer(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64) -> Option<Self> {
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
-        let scale = map.scale_at(middle).min(MOST_CELLS / arena.width.max(arena.height));
+        let most = MOST_CELLS / arena.width.max(arena.height);
+        let scale = map.scale_at(middle).min(most).min(scale);
         let frame =
             PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
-        let light = plan_view(photo, map, &frame);
-        let features = light.map(feature);
-        let mut floor = FloorModel::fit(arena, &samples(&frame, &features))?;
-        let coarse = Coarse::of(&frame, &features, &floor);
+        let view = PlanFrame { margin: VIEW_MARGIN.min(frame.margin), ..frame };
+        let features = view_of(photo, map, &view, feature);
+        let mut floor = FloorModel::fit(arena, &samples(&view, &features))?;
+        let coarse = Coarse::of(&view, &features, &floor);
         floor.shadow = shadow::find(&floor, &coarse.view);
-        let bright = shadow::highlights(&floor, &coarse.view, SURE);
-        let differences = Raster::from_fn(features.width(), features.height(), |column, row| {
-            let seen = features.cells()[row * features.width() + column];
-            let difference = floor.difference(frame.point(column as f64, row as f64), seen);
-            let floor_like = coarse.cell(column, row).is_some_and(|cell| bright.cells()[cell]);
-            if floor_like { difference.at_most(1.0) } else { difference }
-        });
-        Some(Self { frame, features, differences, floor, bright: Bright { coarse, cells: bright } })
+        let cells = shadow::highlights(&floor, &coarse.view, SURE);
+        Some(Self { frame, view, features, floor, bright: Bright { coarse, cells } })
     }
 
     /// Whether the centre of a cell lies on the arena.
     pub(crate) fn on_arena(&self, column: usize, row: usize) -> bool {
-        let point = self.frame.point(column as f64, row as f64);
-        let arena = self.frame.arena;
+        let point = self.view.point(column as f64, row as f64);
+        let arena = self.view.arena;
         point.x > 0.0 && point.y > 0.0 && point.x < arena.width && point.y < arena.height
     }
 
     /// Whether a point belongs to floor that is lit or brighter than the model.
     pub(crate) fn is_bright_floor(&self, point: Point) -> bool {
-        let (column, row) = self.frame.cell(point);
+        let (column, row) = self.view.cell(point);
         let cell = self
             .bright
             .coarse
@@ -75,10 +79,18 @@ impl Look {
         cell.is_some_and(|cell| self.bright.cells.cells()[cell])
     }
 
+    /// The colour at a floor point, of the cell that holds it.
+    pub(crate) fn seen_at(&self, point: Point) -> Option<Feature> {
+        let (column, row) = self.view.cell(point);
+        self.features.get(column.round() as i64, row.round() as i64)
+    }
+
     /// The difference at a floor point, of the cell that holds it.
     pub(crate) fn difference_at(&self, point: Point) -> Option<Difference> {
-        let (column, row) = self.frame.cell(point);
-        self.differences.get(column.round() as i64, row.round() as i64)
+        let (column, row) = self.view.cell(point);
+        let middle = self.view.point(column.round(), row.round());
+        let difference = self.floor.difference(middle, self.seen_at(point)?);
+        Some(if self.is_bright_floor(point) { difference.at_most(1.0) } else { difference })
     }
 }
 
@@ -130,16 +142,23 @@ impl Coarse {
     }
 }
 
+/// So many cells of the arena as the floor's model is fitted to.
 fn samples(frame: &PlanFrame, features: &Raster<Feature>) -> Vec<(Point, Feature)> {
     let arena = frame.arena;
-    let mut samples = Vec::with_capacity(features.cells().len());
-    for row in 0..features.height() {
-        for (column, &seen) in features.row(row).iter().enumerate() {
-            let point = frame.point(column as f64, row as f64);
-            if point.x > 0.0 && point.y > 0.0 && point.x < arena.width && point.y < arena.height {
-                samples.push((point, seen));
-            }
-        }
-    }
-    samples
+    let inside = |value: f64, length: f64| value > 0.0 && value < length;
+    let columns: Vec<usize> = (0..features.width())
+        .filter(|&column| inside(frame.point(column as f64, 0.0).x, arena.width))
+        .collect();
+    let rows: Vec<usize> = (0..features.height())
+        .filter(|&row| inside(frame.point(0.0, row as f64).y, arena.height))
+        .collect();
+    let count = columns.len() * rows.len();
+    (0..count)
+        .step_by(sample_step(count))
+        .map(|index| {
+            let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
+            let seen = features.cells()[row * features.width() + column];
+            (frame.point(column as f64, row as f64), seen)
+        })
+        .collect()
 }

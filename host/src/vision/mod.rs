@@ -33,6 +33,7 @@ mod faults;
 mod floor;
 mod implausible;
 mod lamp;
+mod lattice;
 mod leaning;
 mod lines;
 mod look;

@@ -5,6 +5,7 @@
 //! are biased towards the dark side by a quarter of a pixel.
 
 use super::error::VisionError;
+use super::lattice::{FRACTION, Place};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 
@@ -131,6 +132,30 @@ impl Photo {
             }
         }
         light
+    }
+
+    /// The same at a place of a [`super::lattice::Lattice`] of this photo.
+    #[inline]
+    pub(crate) fn light_at(&self, [x, y]: Place) -> [f32; 3] {
+        const ONE: f32 = (1 << FRACTION) as f32;
+        let part = |value: u32| (value & ((1 << FRACTION) - 1)) as f32 / ONE;
+        let (right, down) = (part(x), part(y));
+        let first = (y >> FRACTION) as usize * self.width + (x >> FRACTION) as usize;
+        let (upper, lower) =
+            (&self.pixels[first..first + 2], &self.pixels[first + self.width..][..2]);
+        std::array::from_fn(|channel| {
+            let light = |pixel: &[u8; 3]| self.linear[usize::from(pixel[channel])];
+            let above = light(&upper[0]) + right * (light(&upper[1]) - light(&upper[0]));
+            let below = light(&lower[0]) + right * (light(&lower[1]) - light(&lower[0]));
+            above + down * (below - above)
+        })
+    }
+
+    /// The linear light of the pixel at a place of a [`super::lattice::Lattice`] of this photo.
+    #[inline]
+    pub(crate) fn light_near(&self, [x, y]: Place) -> [f32; 3] {
+        let nearest = |value: u32| ((value + (1 << (FRACTION - 1))) >> FRACTION) as usize;
+        self.pixels[nearest(y) * self.width + nearest(x)].map(|code| self.linear[usize::from(code)])
     }
 
     /// Whether a place in pixels is inside the picture.

@@ -3,6 +3,7 @@
 //! Cells hold linear light. The view reaches a margin beyond the arena, because tall boxes lean out of
 //! it. Column 0 lies at x = −margin, row 0 at y = height + margin; metres in the arena frame.
 
+use super::lattice::{Lattice, Place};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::raster::Raster;
@@ -10,6 +11,8 @@ use crate::geometry::{Arena, Point};
 
 /// The most places along each side of a cell.
 const MOST_PLACES: usize = 4;
+/// With fewer places along each side of a cell light is interpolated between pixels.
+const BILINEAR_BELOW: usize = 3;
 
 /// Where the cells of a plan view lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,16 +58,53 @@ impl PlanFrame {
 ///
 /// Where the photo is finer than the view a cell is the mean of several places, at most 4 × 4.
 pub fn plan_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<[f32; 3]> {
+    view_of(photo, map, frame, |light| light)
+}
+
+/// The plan view of what `take` makes of every cell's light.
+pub(crate) fn view_of<T: Copy>(
+    photo: &Photo,
+    map: &PlanMap,
+    frame: &PlanFrame,
+    take: impl Fn([f32; 3]) -> T,
+) -> Raster<T> {
     let (width, height) = frame.size();
-    let cells = Cells::of(map, frame);
-    let columns: Vec<[f64; MOST_PLACES]> = (0..width).map(|column| cells.xs(column)).collect();
-    let mut ys = (usize::MAX, [0.0; MOST_PLACES]);
-    Raster::from_fn(width, height, |column, row| {
-        if ys.0 != row {
-            ys = (row, cells.ys(row));
+    let places = places(map, frame);
+    let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
+    let mut lattice = Lattice::new(photo, map, fine, width * places);
+    let mut sums = vec![[0f32; 3]; width];
+    let share = 1.0 / (places * places) as f32;
+    let mut cells = Vec::with_capacity(width * height);
+    for row in 0..height {
+        sums.fill([0.0; 3]);
+        for line in row * places..(row + 1) * places {
+            add_line(photo, lattice.line(line), places, &mut sums);
         }
-        cells.light(photo, &columns[column], &ys.1)
-    })
+        cells.extend(sums.iter().map(|sum| take(sum.map(|value| value * share))));
+    }
+    Raster::from_cells(width, cells)
+}
+
+/// Places along each side of a cell whose light is averaged.
+fn places(map: &PlanMap, frame: &PlanFrame) -> usize {
+    let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
+    (map.scale_at(middle) / frame.scale).round().clamp(1.0, MOST_PLACES as f64) as usize
+}
+
+/// Adds the light along a line of places, `each` of them to every cell.
+fn add_line(photo: &Photo, line: &[Place], each: usize, sums: &mut [[f32; 3]]) {
+    let groups = sums.iter_mut().zip(line.chunks_exact(each));
+    // The mean of many places is as smooth without interpolation at each of them.
+    if each < BILINEAR_BELOW {
+        groups.for_each(|(sum, group)| group.iter().for_each(|&at| add(sum, photo.light_at(at))));
+    } else {
+        groups.for_each(|(sum, group)| group.iter().for_each(|&at| add(sum, photo.light_near(at))));
+    }
+}
+
+#[inline]
+fn add(sum: &mut [f32; 3], light: [f32; 3]) {
+    sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
 }
 
 /// The light of one cell of the plan view by its column and row.
@@ -73,49 +113,17 @@ pub(crate) fn cell_light(
     map: &PlanMap,
     frame: &PlanFrame,
 ) -> impl Fn(usize, usize) -> [f32; 3] {
-    let cells = Cells::of(map, frame);
-    move |column, row| cells.light(photo, &cells.xs(column), &cells.ys(row))
-}
-
-/// The places in cells whose light is averaged.
-struct Cells<'a> {
-    map: &'a PlanMap,
-    frame: PlanFrame,
-    /// Places along each side of a cell.
-    places: usize,
-}
-
-impl<'a> Cells<'a> {
-    fn of(map: &'a PlanMap, frame: &PlanFrame) -> Self {
-        let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
-        let places =
-            (map.scale_at(middle) / frame.scale).round().clamp(1.0, MOST_PLACES as f64) as usize;
-        Self { map, frame: *frame, places }
-    }
-
-    fn within(&self, index: usize) -> f64 {
-        (index as f64 + 0.5) / self.places as f64 - 0.5
-    }
-
-    /// The places' x in a column, metres.
-    fn xs(&self, column: usize) -> [f64; MOST_PLACES] {
-        std::array::from_fn(|index| self.frame.point(column as f64 + self.within(index), 0.0).x)
-    }
-
-    /// The places' y in a row, metres.
-    fn ys(&self, row: usize) -> [f64; MOST_PLACES] {
-        std::array::from_fn(|index| self.frame.point(0.0, row as f64 + self.within(index)).y)
-    }
-
-    fn light(&self, photo: &Photo, xs: &[f64; MOST_PLACES], ys: &[f64; MOST_PLACES]) -> [f32; 3] {
+    let places = places(map, frame);
+    let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
+    let share = 1.0 / (places * places) as f32;
+    move |column, row| {
         let mut sum = [0f32; 3];
-        for &y in &ys[..self.places] {
-            for &x in &xs[..self.places] {
-                let light = photo.light(self.map.to_photo(Point::new(x, y)));
-                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        for line in row * places..(row + 1) * places {
+            for within in column * places..(column + 1) * places {
+                let point = fine.point(within as f64, line as f64);
+                add(&mut sum, photo.light(map.to_photo(point)));
             }
         }
-        let share = 1.0 / (self.places * self.places) as f32;
         sum.map(|value| value * share)
     }
 }

@@ -33,6 +33,13 @@ impl<T: Copy> Raster<T> {
         Self { width, height, cells }
     }
 
+    /// A grid of rows of `width` cells each; what is left of a last row is dropped.
+    pub(crate) fn from_cells(width: usize, mut cells: Vec<T>) -> Self {
+        let height = cells.len().checked_div(width).unwrap_or(0);
+        cells.truncate(width * height);
+        Self { width, height, cells }
+    }
+
     /// The number of columns.
     pub fn width(&self) -> usize {
         self.width

@@ -46,13 +46,13 @@ pub(crate) struct RobotTop {
 
 /// Finds the robot of a radius in metres; `None` if there is none.
 pub(crate) fn find(photo: &Photo, map: &PlanMap, look: &Look, radius: f64) -> Option<RobotTop> {
-    let cells = radius * look.frame.scale;
+    let cells = radius * look.view.scale;
     if cells < LEAST_RADIUS_CELLS {
         return None;
     }
     let mut best: Option<RobotTop> = None;
     for (column, row, directions) in centres(look, USUAL_ENLARGEMENT * cells) {
-        let rough = look.frame.point(column, row);
+        let rough = look.view.point(column, row);
         let Some((centre, fitted)) = circle(photo, map, look, rough, USUAL_ENLARGEMENT * radius)
         else {
             continue;
