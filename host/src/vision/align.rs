@@ -23,6 +23,9 @@ const SAMPLE_STEP: f64 = 0.4;
 const RADIAL_SPREAD: f64 = 0.06;
 /// Keeps a side that shows no steps where it was; an observed step weighs a thousand times as much.
 const DAMPING: f64 = 0.01;
+/// Rounds of the fit at most; it ends when nothing moves by more than this, pixels.
+const MOST_ROUNDS: usize = 8;
+const SETTLED: f64 = 0.002;
 /// An observed step is good to this, pixels.
 const STEP_NOISE: f64 = 0.4;
 
@@ -71,44 +74,37 @@ pub(crate) struct Step {
     pub(crate) pixel: [f64; 2],
 }
 
-/// Finds the steps of all profiles that have one.
-pub(crate) fn steps(photo: &Photo, map: &PlanMap, arena: Arena, search: &Search) -> Vec<Step> {
-    let mut steps = Vec::with_capacity(4 * PLACES);
+/// Finds the steps of all profiles that have one, at every `stride`-th place.
+pub(crate) fn steps(
+    photo: &Photo,
+    map: &PlanMap,
+    arena: Arena,
+    search: &Search,
+    stride: usize,
+) -> Vec<Step> {
+    let mut steps = Vec::with_capacity(4 * PLACES / stride);
+    let count = (2.0 * search.reach / SAMPLE_STEP) as usize + 4;
+    let mut lights = Vec::with_capacity(count);
     for side in 0..4 {
         let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
-        for place in 0..PLACES {
-            let profile = Profile { photo, map, arena, side, along: along(place), scale };
-            steps.extend(profile.step(search));
+        let change = search.change.map(|changes| changes[side]);
+        let first = (search.reach + 2.0 * SAMPLE_STEP) / scale;
+        let last = first - (count - 1) as f64 * SAMPLE_STEP / scale;
+        for place in (stride / 2..PLACES).step_by(stride) {
+            let pixel = |inward: f64| map.to_photo(side_point(arena, side, along(place), inward));
+            // So few pixels of a side's normal are straight in the photo.
+            let (from, to) = (pixel(first), pixel(last));
+            let at = |index: f64| {
+                let share = index / (count - 1) as f64;
+                [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+            };
+            lights.clear();
+            lights.extend((0..count).map(|index| photo.light(at(index as f64))));
+            let pixel = step(&lights, change).map(at).filter(|&pixel| photo.holds(pixel));
+            steps.extend(pixel.map(|pixel| Step { side, pixel }));
         }
     }
     steps
-}
-
-/// One line of samples across a side.
-struct Profile<'a> {
-    photo: &'a Photo,
-    map: &'a PlanMap,
-    arena: Arena,
-    side: usize,
-    along: f64,
-    scale: f64,
-}
-
-impl Profile<'_> {
-    fn pixel(&self, inward: f64) -> [f64; 2] {
-        self.map.to_photo(side_point(self.arena, self.side, self.along, inward))
-    }
-
-    fn step(&self, search: &Search) -> Option<Step> {
-        let count = (2.0 * search.reach / SAMPLE_STEP) as usize + 4;
-        let inward =
-            |index: f64| (search.reach + 2.0 * SAMPLE_STEP - index * SAMPLE_STEP) / self.scale;
-        let lights: Vec<[f32; 3]> =
-            (0..count).map(|i| self.photo.light(self.pixel(inward(i as f64)))).collect();
-        let change = search.change.map(|changes| changes[self.side]);
-        let pixel = self.pixel(inward(step(&lights, change)?));
-        self.photo.holds(pixel).then_some(Step { side: self.side, pixel })
-    }
 }
 
 /// How well a map fits its steps.
@@ -124,7 +120,7 @@ pub(crate) struct Fit {
 /// Fits the map to steps; steps farther than `width` pixels do not count.
 ///
 /// With `lens` the radial coefficient is fitted too, else it stays. `None` if the steps do not
-/// determine the map.
+/// determine the map. `stride` is that of the steps.
 pub(crate) fn fit(
     photo: &Photo,
     arena: Arena,
@@ -132,31 +128,36 @@ pub(crate) fn fit(
     steps: &[Step],
     width: f64,
     lens: bool,
+    stride: usize,
 ) -> Option<Fit> {
     let mut map = map.clone();
-    for _ in 0..8 {
-        map = gauss_newton(photo, arena, &map, steps, width, lens)?;
+    for _ in 0..MOST_ROUNDS {
+        let (next, change) = gauss_newton(photo, arena, &map, steps, width, lens)?;
+        map = next;
+        if change < SETTLED {
+            break;
+        }
     }
     let (mut sum, mut count, mut shares) = (0.0, 0usize, [0.0; 4]);
     for step in steps {
-        let distance = distance(&map, arena, step.side, map.unbend(step.pixel));
+        let point = map.to_floor(step.pixel);
+        let distance = inward(arena, step.side, point) * map.scale_at(point);
         if distance.abs() < width {
             sum += distance * distance;
             count += 1;
         }
         if distance.abs() < FITTING_SHARE * photo.width() as f64 {
-            shares[step.side] += 1.0 / PLACES as f64;
+            shares[step.side] += stride as f64 / PLACES as f64;
         }
     }
     Some(Fit { map, residual: (sum / count.max(1) as f64).sqrt(), shares })
 }
 
-/// How far outward of a side an ideal pixel lies under a map, pixels.
-fn distance(map: &PlanMap, arena: Arena, side: usize, ideal: [f64; 2]) -> f64 {
-    let point = map.ideal_to_floor(ideal);
-    -inward(arena, side, point) * map.scale_at(point)
-}
-
+/// One step of the fit: the next map, and how far its parameters moved, pixels.
+///
+/// The parameters are the corners' ideal pixels and the radial coefficient in hundredths; a residual is
+/// the distance of an observed step from its side. Its derivatives are differences; pixels per metre
+/// hardly change with the parameters and are taken from the present map.
 fn gauss_newton(
     photo: &Photo,
     arena: Arena,
@@ -164,7 +165,7 @@ fn gauss_newton(
     steps: &[Step],
     width: f64,
     lens: bool,
-) -> Option<PlanMap> {
+) -> Option<(PlanMap, f64)> {
     const NUDGE: f64 = 1e-3;
     let corners = map.ideal_corners(arena);
     let with = |change: &SVector<f64, 9>| {
@@ -182,17 +183,19 @@ fn gauss_newton(
     let mut right = SVector::<f64, 9>::zeros();
     for step in steps {
         let ideal = map.unbend(step.pixel);
-        let now = distance(map, arena, step.side, ideal);
+        let scale = map.scale_at(map.ideal_to_floor(ideal));
+        let outward =
+            |map: &PlanMap, ideal| -inward(arena, step.side, map.ideal_to_floor(ideal)) * scale;
+        let now = outward(map, ideal);
         let ratio = now / width;
         if ratio.abs() >= 1.0 {
             continue;
         }
         let weight = (1.0 - ratio * ratio).powi(2) / (STEP_NOISE * STEP_NOISE);
         // Moved corners leave the lens as it is; only the last parameter is the lens itself.
-        let other_lens = nudged[8].unbend(step.pixel);
+        let other_lens = if lens { nudged[8].unbend(step.pixel) } else { ideal };
         let row = SVector::<f64, 9>::from_fn(|i, _| {
-            let ideal = if i < 8 { ideal } else { other_lens };
-            (distance(&nudged[i], arena, step.side, ideal) - now) / NUDGE
+            (outward(&nudged[i], if i < 8 { ideal } else { other_lens }) - now) / NUDGE
         });
         normal += weight * row * row.transpose();
         right -= weight * now * row;
@@ -202,7 +205,7 @@ fn gauss_newton(
     normal[(8, 8)] += prior;
     right[8] -= if lens { prior * map.radial() * 100.0 } else { 0.0 };
     let change = normal.cholesky()?.solve(&right);
-    with(&change)
+    Some((with(&change)?, change.amax()))
 }
 
 #[cfg(test)]
@@ -233,8 +236,8 @@ mod tests {
         let rough = truth.map(|[x, y]| [x + 1.5, y - 1.0]);
         let mut map = PlanMap::from_seen_corners(&photo, ARENA, rough, 0.0).unwrap();
         for reach in [8.0, 4.0, 2.5] {
-            let found = steps(&photo, &map, ARENA, &Search { reach, change: None });
-            map = fit(&photo, ARENA, &map, &found, reach, true).unwrap().map;
+            let found = steps(&photo, &map, ARENA, &Search { reach, change: None }, 1);
+            map = fit(&photo, ARENA, &map, &found, reach, true, 1).unwrap().map;
         }
         for (found, true_corner) in map.seen_corners(ARENA).into_iter().zip(truth) {
             let error = (found[0] - true_corner[0]).hypot(found[1] - true_corner[1]);

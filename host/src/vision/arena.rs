@@ -8,12 +8,8 @@ use super::quads;
 use super::viewpoint::Viewpoint;
 use crate::geometry::Arena;
 
-/// Lines are sought in a picture reduced to about this width.
-const SEARCH_SIDE: usize = 700;
 /// Edges step by at least this many brightness codes.
 const LEAST_CONTRAST: f64 = 8.0;
-/// The 99th percentile of brightness is at least this.
-const LEAST_LIGHT: u8 = 25;
 /// The share of the border's profiles that must show it.
 const LEAST_SCORE: f64 = 0.5;
 /// Every profile shows the border; a little more than 1, since shares are summed up.
@@ -25,16 +21,14 @@ const RANK_WEIGHT: f64 = 1.2;
 /// The misfit of a camera that no true border reaches, squared standard deviations.
 const MOST_MISFIT: f64 = 16.0;
 
-/// Finds the arena's border.
+/// Finds the arena's border in a photo, of which `small` is the overview.
 ///
 /// # Errors
-/// [`VisionError::Dark`], [`VisionError::NoContrast`], [`VisionError::NoBorder`] or
+/// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`] or
 /// [`VisionError::OutOfView`], with what was measured.
-pub(crate) fn find(photo: &Photo, arena: Arena) -> Result<Border, VisionError> {
-    let factor = photo.width().max(photo.height()).div_ceil(SEARCH_SIDE).max(1);
-    let small = photo.reduced(factor);
-    check_light(&small)?;
-    let edges = EdgeMap::of(&small);
+pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border, VisionError> {
+    let factor = photo.overview_factor();
+    let edges = EdgeMap::of(small);
     if edges.contrast < LEAST_CONTRAST {
         return Err(VisionError::NoContrast { measured: edges.contrast, needed: LEAST_CONTRAST });
     }
@@ -83,26 +77,6 @@ fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, Vision
     }
 }
 
-fn check_light(photo: &Photo) -> Result<(), VisionError> {
-    let mut counts = [0usize; 256];
-    for pixel in photo.pixels() {
-        counts[usize::from(pixel[0].max(pixel[1]).max(pixel[2]))] += 1;
-    }
-    let mut brighter = photo.pixels().len() / 100;
-    let code = (0..=255u8).rev().find(|&code| {
-        let count = counts[usize::from(code)];
-        let found = count > brighter;
-        brighter = brighter.saturating_sub(count);
-        found
-    });
-    let measured = code.unwrap_or(0);
-    if measured < LEAST_LIGHT {
-        Err(VisionError::Dark { measured, needed: LEAST_LIGHT })
-    } else {
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,12 +84,11 @@ mod tests {
     const ARENA: Arena = Arena { width: 1.5, height: 1.0 };
 
     #[test]
-    fn black_grey_and_borderless_pictures_are_refused_for_their_reason() {
+    fn grey_and_borderless_pictures_are_refused_for_their_reason() {
         let even = |code| Photo::from_rgb(160, 120, vec![[code; 3]; 160 * 120]).unwrap();
-        assert!(matches!(find(&even(3), ARENA), Err(VisionError::Dark { measured: 3, .. })));
-        assert!(matches!(find(&even(128), ARENA), Err(VisionError::NoContrast { .. })));
+        assert!(matches!(find(&even(128), &even(128), ARENA), Err(VisionError::NoContrast { .. })));
         let halves = (0..160 * 120).map(|i| if i % 160 < 80 { [200; 3] } else { [40; 3] });
         let halves = Photo::from_rgb(160, 120, halves.collect()).unwrap();
-        assert!(matches!(find(&halves, ARENA), Err(VisionError::NoBorder { .. })));
+        assert!(matches!(find(&halves, &halves, ARENA), Err(VisionError::NoBorder { .. })));
     }
 }

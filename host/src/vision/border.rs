@@ -6,7 +6,7 @@
 //! something else outside, is the candidate's score.
 
 use super::align::{self, Fit, PLACES, Search, side_point};
-use super::floor::{FloorModel, feature, sample_step};
+use super::floor::{Feature, FloorModel, feature};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, cell_light};
@@ -15,6 +15,8 @@ use crate::geometry::{Arena, Point};
 
 /// Cells along the arena's longer side from which the floor's colour is learnt.
 const FLOOR_CELLS: f64 = 160.0;
+/// Of them so many at most.
+const FLOOR_SAMPLES: usize = 2000;
 /// How far inside and outside of the candidate's sides the floor's end is sought, share of the shorter side.
 const SEARCH_SHARE: f64 = 0.1;
 /// Hue tells the floor's end if it changes by this much (the two chroma axes of a feature), within this
@@ -36,6 +38,11 @@ const DEEPEST: f32 = -1.0;
 const LEAST_RISE: f64 = 0.3;
 /// The distance of samples across a side, pixels.
 const SAMPLE_STEP: f64 = 0.5;
+/// Lines of samples across each side, and samples of a line that are evenly apart in the photo.
+const SEEN: usize = PLACES / 2;
+const PIECE: usize = 12;
+/// The border is found when its corners move by less than this, pixels at a width of 640.
+const SETTLED: f64 = 0.15;
 /// Shrinking reaches of the search for steps, pixels at a width of 640.
 const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
 const FINE_REACH: [[f64; 3]; 3] = [[8.0, 5.0, 3.0], [5.0, 3.0, 2.0], [4.0, 2.5, 2.0]];
@@ -57,28 +64,40 @@ pub(crate) struct Border {
 
 /// Looks for the border from a candidate's corners; `None` if the floor does not end there.
 pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
-    let zoom = (photo.width() as f64 / 640.0).max(1.0);
+    let zoom = zoom(photo);
     let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
     let rough = refine(photo, arena, &straight, &ROUGH_REACH.map(|reach| reach * zoom), None)?;
+    let floor = learn_floor(photo, &rough.map, arena)?;
     let mut fine = rough;
     // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
     for reaches in FINE_REACH {
-        let sides = Sides::measure(photo, &fine.map, arena)?;
+        let sides = Sides::measure(photo, &fine.map, arena, &floor);
         let ends = sides.ends()?;
         let moved = moved(photo, arena, &fine.map, ends)?;
-        fine = refine(
-            photo,
-            arena,
-            &moved,
-            &reaches.map(|reach| reach * zoom),
-            Some(sides.changes(ends)),
-        )?;
+        let reaches = reaches.map(|reach| reach * zoom);
+        let next = refine(photo, arena, &moved, &reaches, Some(sides.changes(ends)))?;
+        let settled = farthest(&fine.map, &next.map, arena) < SETTLED * zoom;
+        fine = next;
+        if settled {
+            break;
+        }
     }
     let score = fine.shares.iter().sum::<f64>() / 4.0;
-    if let Some(map) = by_colour(photo, arena, &fine.map) {
+    if let Some(map) = by_colour(photo, arena, &fine.map, &floor) {
         fine.map = map;
     }
     Some(Border { map: fine.map, score, residual: fine.residual })
+}
+
+/// How much wider a photo is than those that lengths in pixels are stated for.
+fn zoom(photo: &Photo) -> f64 {
+    (photo.width() as f64 / 640.0).max(1.0)
+}
+
+/// How far the farthest corner of two maps is apart, pixels.
+fn farthest(a: &PlanMap, b: &PlanMap, arena: Arena) -> f64 {
+    let pairs = a.seen_corners(arena).into_iter().zip(b.seen_corners(arena));
+    pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
 }
 
 /// The map whose sides lie where `map` has the distances `inward` from its sides, metres.
@@ -108,9 +127,11 @@ fn refine(
     for lens in [false, true] {
         let mut map = start.clone();
         let mut last = None;
-        for &reach in reaches {
-            let steps = align::steps(photo, &map, arena, &Search { reach, change });
-            let fit = align::fit(photo, arena, &map, &steps, reach, lens)
+        for (round, &reach) in reaches.iter().enumerate() {
+            // The last round decides; for those before it half of the profiles are enough.
+            let stride = if round + 1 == reaches.len() { 1 } else { 2 };
+            let steps = align::steps(photo, &map, arena, &Search { reach, change }, stride);
+            let fit = align::fit(photo, arena, &map, &steps, reach, lens, stride)
                 .filter(|fit| near(start, &fit.map, arena, reaches));
             let Some(fit) = fit else {
                 last = None;
@@ -134,9 +155,7 @@ fn refine(
 /// Whether a fitted map is still the candidate's: its corners lie where steps were sought, its lens is one.
 fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> bool {
     let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
-    let corners = start.seen_corners(arena).into_iter().zip(fitted.seen_corners(arena));
-    let close = |(a, b): ([f64; 2], [f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < most;
-    corners.into_iter().all(close) && RADIAL_RANGE.contains(&fitted.radial())
+    farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&fitted.radial())
 }
 
 /// The map with those sides moved whose floor ends elsewhere by its colour than by its light, if any.
@@ -144,10 +163,10 @@ fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> boo
 /// The greatest step may be that of a shadow on the floor or the top of a wall. Shadow has the floor's
 /// hue, and the faces of a wall have one hue; so where hues differ enough, the floor ends where the hue
 /// changes. What no camera could see is not believed.
-fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap) -> Option<PlanMap> {
-    let sides = Sides::measure(photo, map, arena)?;
+fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap, floor: &FloorModel) -> Option<PlanMap> {
+    let sides = Sides::measure(photo, map, arena, floor);
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
-    let least = COLOUR_SHIFT * (photo.width() as f64 / 640.0).max(1.0) / scale;
+    let least = COLOUR_SHIFT * zoom(photo) / scale;
     let shifts = sides.hue_ends().map(|end| end.filter(|shift| shift.abs() > least).unwrap_or(0.0));
     if shifts == [0.0; 4] {
         return None;
@@ -161,7 +180,7 @@ fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap) -> Option<PlanMap> {
     if shifts.iter().any(|&shift| shift <= 0.0) {
         return None;
     }
-    let zoom = (photo.width() as f64 / 640.0).max(1.0);
+    let zoom = zoom(photo);
     let change = Some(sides.changes(shifts));
     let foot = refine(photo, arena, &better, &FOOT_REACH.map(|reach| reach * zoom), change)?.map;
     (Viewpoint::misfit(photo, &foot) < before + CLEAR_GAIN).then_some(foot)
@@ -178,29 +197,52 @@ struct Sides {
 }
 
 impl Sides {
-    fn measure(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
-        let floor = learn_floor(photo, map, arena)?;
+    fn measure(photo: &Photo, map: &PlanMap, arena: Arena, floor: &FloorModel) -> Self {
         let scale = map.scale_at(side_point(arena, 0, 0.5, arena.height / 2.0)).max(1.0);
         let reach = SEARCH_SHARE * arena.width.min(arena.height);
-        let count = (2.0 * reach * scale / SAMPLE_STEP) as usize + 1;
-        let inward: Vec<f64> = (0..count).map(|i| reach - i as f64 * SAMPLE_STEP / scale).collect();
-        let mut sides = Self { inward, foreign: Default::default(), light: Default::default() };
+        let pieces = (2.0 * reach * scale / SAMPLE_STEP / PIECE as f64).ceil().max(1.0) as usize;
+        let inward = |index: usize| reach - index as f64 * SAMPLE_STEP / scale;
+        let count = pieces * PIECE;
+        let mut sides = Self {
+            inward: (0..count).map(inward).collect(),
+            foreign: Default::default(),
+            light: Default::default(),
+        };
         for side in 0..4 {
-            for &depth in &sides.inward {
-                let mut foreign = 0;
-                let mut lights: [Vec<f32>; 3] = Default::default();
-                for place in 0..PLACES / 2 {
-                    let point = side_point(arena, side, align::along(2 * place), depth);
-                    let light = photo.light(map.to_photo(point));
-                    let residual = floor.residual(point, feature(light));
-                    foreign += usize::from(floor.off_any_shadow(residual, DEEPEST) > FOREIGN);
-                    lights.iter_mut().zip(light).for_each(|(list, value)| list.push(value));
+            let mut foreign = vec![0usize; count];
+            let mut lights: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; count * SEEN]);
+            for place in 0..SEEN {
+                let along = align::along(2 * place);
+                // Over a piece places in the photo and the floor's colour change evenly.
+                let node = |piece: usize| {
+                    let point = side_point(arena, side, along, inward(piece * PIECE));
+                    (map.to_photo(point), floor.lit(point))
+                };
+                let mut end = node(0);
+                for piece in 0..pieces {
+                    let start = std::mem::replace(&mut end, node(piece + 1));
+                    for within in 0..PIECE {
+                        let (pixel, lit) = between(start, end, within as f64 / PIECE as f64);
+                        let light = photo.light(pixel);
+                        let [b, c, d] = feature(light);
+                        let residual = [b - lit[0], c - lit[1], d - lit[2]];
+                        let index = piece * PIECE + within;
+                        foreign[index] +=
+                            usize::from(floor.off_any_shadow(residual, DEEPEST) > FOREIGN);
+                        for (list, value) in lights.iter_mut().zip(light) {
+                            list[index * SEEN + place] = value;
+                        }
+                    }
                 }
-                sides.foreign[side].push(foreign as f64 / (PLACES / 2) as f64);
-                sides.light[side].push(lights.map(|mut list| super::floor::median(&mut list)));
             }
+            sides.foreign[side] = foreign.iter().map(|&seen| seen as f64 / SEEN as f64).collect();
+            let mut median = |channel: usize, index: usize| {
+                super::floor::median(&mut lights[channel][index * SEEN..(index + 1) * SEEN])
+            };
+            sides.light[side] =
+                (0..count).map(|index| [0, 1, 2].map(|channel| median(channel, index))).collect();
         }
-        Some(sides)
+        sides
     }
 
     /// Where the floor ends on each side, metres inward of the map's sides.
@@ -279,19 +321,34 @@ impl Sides {
     }
 }
 
+/// A pixel and the floor's colour there, at a share of the way between two of them.
+fn between(
+    (from, first): ([f64; 2], Feature),
+    (to, last): ([f64; 2], Feature),
+    share: f64,
+) -> ([f64; 2], Feature) {
+    let part = share as f32;
+    (
+        [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])],
+        [0, 1, 2].map(|axis| first[axis] + part * (last[axis] - first[axis])),
+    )
+}
+
 /// The floor's colour inside a candidate.
 fn learn_floor(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<FloorModel> {
     let frame =
         PlanFrame { arena, scale: FLOOR_CELLS / arena.width.max(arena.height), margin: 0.0 };
     let light = cell_light(photo, map, &frame);
     let (width, height) = frame.size();
+    let count = width * height;
+    // A step that no row is a multiple of, lest samples stand in few columns.
+    let step = count.div_ceil(FLOOR_SAMPLES).max(1);
+    let step = if width.is_multiple_of(step) && step > 1 { step + 1 } else { step };
     let sample = |index: usize| {
         let (column, row) = (index % width, index / width);
         (frame.point(column as f64, row as f64), feature(light(column, row)))
     };
-    // Cells that the model would leave out are not drawn.
-    let cells = (0..width * height).step_by(sample_step(width * height));
-    FloorModel::fit(arena, &cells.map(sample).collect::<Vec<_>>())
+    FloorModel::fit(arena, &(0..count).step_by(step).map(sample).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

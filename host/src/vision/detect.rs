@@ -4,7 +4,7 @@ use super::arena;
 use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
-use super::faults::check_picture;
+use super::faults::check_overview;
 use super::look::Look;
 use super::paper::{PaperSteps, paper_obstacles, paper_steps};
 use super::photo::Photo;
@@ -23,6 +23,8 @@ const PAPER_RADIUS: f64 = 0.075;
 /// Cells per metre of the paper's plan view, and the most cells along a side.
 const PAPER_SCALE: f64 = 300.0;
 const PAPER_CELLS: f64 = 1200.0;
+/// The paper's obstacles need no plan view in colour; to find the robot its radius has so many cells.
+const ROBOT_CELLS: f64 = 10.0;
 /// Shadow deeper than this looks like dark boxes, a floor that varies more hides boxes (logarithms).
 const DEEP_SHADOW: f32 = -0.75;
 const UNEVEN_FLOOR: f32 = 0.04;
@@ -143,10 +145,13 @@ pub fn detect(
     options: &DetectOptions,
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
-    check_picture(photo)?;
     let mut warnings = Vec::new();
     let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
-    let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
+    let finest = match options.method {
+        Method::Robust => f64::INFINITY,
+        Method::Paper => ROBOT_CELLS / options.robot_radius,
+    };
+    let look = Look::no_finer(photo, &map, arena, finest).ok_or(VisionError::Corners)?;
     warnings
         .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
     let top = robot::find(photo, &map, &look, options.robot_radius);
@@ -198,19 +203,23 @@ pub(crate) fn upright(Rect { x0, y0, x1, y1 }: Rect) -> Rect {
 }
 
 /// The map from floor to photo, by camera, by corners or by the border, and how sure it is.
+///
+/// A photo with faults is refused here, where a small copy of it is at hand.
 fn locate(
     photo: &Photo,
     arena: Arena,
     options: &DetectOptions,
     warnings: &mut Vec<String>,
 ) -> Result<(PlanMap, f64), VisionError> {
+    let small = photo.reduced(photo.overview_factor());
+    check_overview(&small)?;
     if let Some(camera) = &options.camera {
         return Ok((camera.plan_map(photo)?, 1.0));
     }
     if let Some(corners) = options.corners {
         return Ok((given(photo, arena, corners)?, 1.0));
     }
-    let border = arena::find(photo, arena)?;
+    let border = arena::find(photo, &small, arena)?;
     warnings.extend(rough_border(border.residual));
     Ok((border.map, border.score))
 }

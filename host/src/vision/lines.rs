@@ -27,10 +27,10 @@ pub(crate) enum Direction {
 /// A point on an edge, seen along one direction.
 #[derive(Clone, Copy, Debug)]
 struct EdgePoint {
-    u: f64,
-    v: f64,
-    slope: f64,
-    weight: f64,
+    u: f32,
+    v: f32,
+    slope: f32,
+    weight: f32,
 }
 
 /// A straight edge, and where along it edge points are found.
@@ -59,7 +59,7 @@ impl Line {
     }
 }
 
-/// The edges of a photo, thinned to one pixel, by direction.
+/// The edges of a photo, thinned to one pixel, by direction; the points of each in the order of v.
 pub(crate) struct EdgeMap {
     horizontal: Vec<EdgePoint>,
     vertical: Vec<EdgePoint>,
@@ -72,10 +72,9 @@ pub(crate) struct EdgeMap {
 impl EdgeMap {
     /// The edges of `photo`: in every pixel the channel with the strongest gradient counts.
     pub(crate) fn of(photo: &Photo) -> Self {
-        let gradient = gradients(photo);
-        let magnitude = gradient.map(|[gx, gy]| gx.unsigned_abs() + gy.unsigned_abs());
+        let magnitude = magnitudes(photo);
         let (noise, contrast) = levels(&magnitude);
-        let least = (3.0 * noise).max(24.0);
+        let least = (3.0 * noise).max(24.0) as u16;
         let mut map = Self {
             horizontal: Vec::new(),
             vertical: Vec::new(),
@@ -83,43 +82,40 @@ impl EdgeMap {
             height: photo.height(),
             contrast: contrast / 4.0,
         };
-        for y in 1..photo.height() as i64 - 1 {
-            for x in 1..photo.width() as i64 - 1 {
-                map.add(&gradient, &magnitude, (x, y), least);
+        for y in 1..photo.height() - 1 {
+            for (x, &here) in magnitude.row(y).iter().enumerate() {
+                // The outermost pixels have no gradient.
+                if here >= least {
+                    map.add(photo, &magnitude, (x, y));
+                }
             }
+        }
+        for points in [&mut map.horizontal, &mut map.vertical] {
+            points.sort_unstable_by(|a, b| a.v.total_cmp(&b.v));
         }
         map
     }
 
-    fn add(
-        &mut self,
-        gradient: &Raster<[i16; 2]>,
-        magnitude: &Raster<u16>,
-        (x, y): (i64, i64),
-        least: f64,
-    ) {
-        let here = magnitude.get(x, y).unwrap_or(0);
-        if f64::from(here) < least {
-            return;
-        }
-        let [gx, gy] = gradient.get(x, y).unwrap_or([0, 0]);
+    /// Adds an inner pixel if its gradient is the greatest across the edge.
+    fn add(&mut self, photo: &Photo, magnitude: &Raster<u16>, (x, y): (usize, usize)) {
+        let [gx, gy] = gradient(photo, x, y);
         let horizontal = gy.abs() > gx.abs();
-        let (dx, dy) = if horizontal { (0, 1) } else { (1, 0) };
-        let before = magnitude.get(x - dx, y - dy).unwrap_or(0);
-        let after = magnitude.get(x + dx, y + dy).unwrap_or(0);
-        if here < before || here <= after {
+        let index = y * self.width + x;
+        let across = if horizontal { self.width } else { 1 };
+        let [b, h, a] = [index - across, index, index + across].map(|i| magnitude.cells()[i]);
+        if h < b || h <= a {
             return;
         }
-        let (b, h, a) = (f64::from(before), f64::from(here), f64::from(after));
+        let [b, h, a] = [b, h, a].map(f32::from);
         let shift = 0.5 * (b - a) / (b - 2.0 * h + a).min(-1e-9);
-        let weight = h / (h + 80.0);
-        if horizontal {
-            let slope = -f64::from(gx) / f64::from(gy);
-            self.horizontal.push(EdgePoint { u: x as f64, v: y as f64 + shift, slope, weight });
+        let (x, y) = (x as f32, y as f32);
+        let ((u, v), slope) = if horizontal {
+            ((x, y), -f32::from(gx) / f32::from(gy))
         } else {
-            let slope = -f64::from(gy) / f64::from(gx);
-            self.vertical.push(EdgePoint { u: y as f64, v: x as f64 + shift, slope, weight });
-        }
+            ((y, x), -f32::from(gy) / f32::from(gx))
+        };
+        let points = if horizontal { &mut self.horizontal } else { &mut self.vertical };
+        points.push(EdgePoint { u, v: v + shift, slope, weight: h / (h + 80.0) });
     }
 
     /// The strongest lines of one direction.
@@ -143,29 +139,48 @@ impl EdgeMap {
     }
 }
 
-/// The Sobel gradient of the channel where it is strongest.
-fn gradients(photo: &Photo) -> Raster<[i16; 2]> {
+/// The magnitudes |∂f/∂x| + |∂f/∂y| of the channel where that is greatest, by Sobel; 0 on the rim.
+fn magnitudes(photo: &Photo) -> Raster<u16> {
     let (width, height) = (photo.width(), photo.height());
-    let pixels = photo.pixels();
-    let mut gradient = Raster::filled(width, height, [0i16; 2]);
+    let codes = photo.pixels().as_flattened();
+    let length = 3 * width;
+    let mut magnitude = Raster::filled(width, height, 0u16);
+    let mut of_channels = vec![0u16; length - 6];
     for y in 1..height - 1 {
-        let rows = [y - 1, y, y + 1].map(|row| &pixels[row * width..(row + 1) * width]);
-        for x in 1..width - 1 {
-            let of_channel = |channel: usize| {
-                let at = |row: usize, column: usize| i16::from(rows[row][column][channel]);
-                let side = |column: usize| at(0, column) + 2 * at(1, column) + at(2, column);
-                let level = |row: usize| at(row, x - 1) + 2 * at(row, x) + at(row, x + 1);
-                [side(x + 1) - side(x - 1), level(2) - level(0)]
-            };
-            let [red, green, blue] = [0, 1, 2].map(of_channel);
-            let stronger = |a: [i16; 2], b: [i16; 2]| {
-                if b[0].abs() + b[1].abs() > a[0].abs() + a[1].abs() { b } else { a }
-            };
-            let best = stronger(stronger(red, green), blue);
-            gradient.cells_mut()[y * width + x] = best;
+        // Channels lie side by side: the same channel of the next pixel is three places on.
+        let [above, here, below] = [y - 1, y, y + 1].map(|row| {
+            let row = &codes[row * length..(row + 1) * length];
+            [&row[..length - 6], &row[3..length - 3], &row[6..]]
+        });
+        for (index, out) in of_channels.iter_mut().enumerate() {
+            let at = |row: [&[u8]; 3], part: usize| i16::from(row[part][index]);
+            let side = |part: usize| at(above, part) + 2 * at(here, part) + at(below, part);
+            let level = |row: [&[u8]; 3]| at(row, 0) + 2 * at(row, 1) + at(row, 2);
+            *out =
+                (side(2) - side(0)).unsigned_abs() + (level(below) - level(above)).unsigned_abs();
+        }
+        let row = &mut magnitude.cells_mut()[y * width + 1..(y + 1) * width - 1];
+        for (cell, [red, green, blue]) in row.iter_mut().zip(of_channels.as_chunks().0) {
+            *cell = *red.max(green).max(blue);
         }
     }
-    gradient
+    magnitude
+}
+
+/// The Sobel gradient at an inner pixel of the channel where it is strongest.
+fn gradient(photo: &Photo, x: usize, y: usize) -> [i16; 2] {
+    let of_channel = |channel: usize| {
+        let at = |i: usize, j: usize| {
+            i16::from(photo.pixels()[(y + j - 1) * photo.width() + x + i - 1][channel])
+        };
+        let side = |i: usize| at(i, 0) + 2 * at(i, 1) + at(i, 2);
+        let level = |j: usize| at(0, j) + 2 * at(1, j) + at(2, j);
+        [side(2) - side(0), level(2) - level(0)]
+    };
+    let stronger = |a: [i16; 2], b: [i16; 2]| {
+        if b[0].abs() + b[1].abs() > a[0].abs() + a[1].abs() { b } else { a }
+    };
+    stronger(stronger(of_channel(0), of_channel(1)), of_channel(2))
 }
 
 /// The median and the 99.5th percentile of the magnitudes.
@@ -193,20 +208,19 @@ fn peaks(points: &[EdgePoint], length: usize, breadth: usize) -> Vec<(f64, f64)>
     let mut votes = Raster::filled(offsets, slopes, 0f32);
     let middle = length as f64 / 2.0;
     for point in points {
-        let first =
-            ((point.slope - SLOPE_SPREAD + SLOPE_LIMIT) / SLOPE_STEP).ceil().max(0.0) as usize;
-        for index in first..slopes {
+        let (u, slope) = (f64::from(point.u) - middle, f64::from(point.slope));
+        let index = |slope: f64| (slope + SLOPE_LIMIT) / SLOPE_STEP;
+        let first = index(slope - SLOPE_SPREAD).ceil().max(0.0) as usize;
+        let end = (index(slope + SLOPE_SPREAD).floor() + 1.0).clamp(0.0, slopes as f64) as usize;
+        for index in first..end {
             let slope = index as f64 * SLOPE_STEP - SLOPE_LIMIT;
-            if slope > point.slope + SLOPE_SPREAD {
-                break;
-            }
-            let offset = point.v - slope * (point.u - middle) + margin as f64;
+            let offset = f64::from(point.v) - slope * u + margin as f64;
             let cell = offset as usize;
             if offset >= 0.0 && cell + 1 < offsets {
                 let share = (offset - cell as f64) as f32;
                 let start = index * offsets + cell;
-                votes.cells_mut()[start] += point.weight as f32 * (1.0 - share);
-                votes.cells_mut()[start + 1] += point.weight as f32 * share;
+                votes.cells_mut()[start] += point.weight * (1.0 - share);
+                votes.cells_mut()[start + 1] += point.weight * share;
             }
         }
     }
@@ -245,11 +259,10 @@ fn fit(points: &[EdgePoint], length: usize, mut offset: f64, mut slope: f64) -> 
     let middle = length as f64 / 2.0;
     for reach in [2.0 * REACH, REACH] {
         let mut sums = [0.0; 5];
-        for point in near(points, middle, offset, slope, reach) {
-            let (u, w) = (point.u - middle, point.weight);
-            for (sum, term) in
-                sums.iter_mut().zip([w, w * u, w * u * u, w * point.v, w * u * point.v])
-            {
+        for point in near(points, length, offset, slope, reach) {
+            let (u, w) = (f64::from(point.u) - middle, f64::from(point.weight));
+            let v = f64::from(point.v);
+            for (sum, term) in sums.iter_mut().zip([w, w * u, w * u * u, w * v, w * u * v]) {
                 *sum += term;
             }
         }
@@ -262,7 +275,7 @@ fn fit(points: &[EdgePoint], length: usize, mut offset: f64, mut slope: f64) -> 
         slope = (w * wuv - wu * wv) / determinant;
     }
     let mut support = vec![0u32; length + 1];
-    for point in near(points, middle, offset, slope, REACH) {
+    for point in near(points, length, offset, slope, REACH) {
         support[(point.u as usize).min(length - 1) + 1] = 1;
     }
     for index in 1..support.len() {
@@ -271,16 +284,22 @@ fn fit(points: &[EdgePoint], length: usize, mut offset: f64, mut slope: f64) -> 
     Some(Line { offset, slope, middle, support })
 }
 
+/// The edge points, of those in the order of v, within `reach` of a line and of about its slope.
 fn near(
     points: &[EdgePoint],
-    middle: f64,
+    length: usize,
     offset: f64,
     slope: f64,
     reach: f64,
 ) -> impl Iterator<Item = &EdgePoint> {
-    points.iter().filter(move |point| {
-        (point.v - offset - slope * (point.u - middle)).abs() < reach
-            && (point.slope - slope).abs() < 2.0 * SLOPE_SPREAD
+    let middle = length as f64 / 2.0;
+    let most = reach + slope.abs() * middle;
+    let first = points.partition_point(|point| f64::from(point.v) < offset - most);
+    let end = points.partition_point(|point| f64::from(point.v) <= offset + most);
+    let (offset, slope, middle) = (offset as f32, slope as f32, middle as f32);
+    points[first..end.max(first)].iter().filter(move |point| {
+        (point.v - offset - slope * (point.u - middle)).abs() < reach as f32
+            && (point.slope - slope).abs() < 2.0 * SLOPE_SPREAD as f32
     })
 }
 

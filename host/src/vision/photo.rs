@@ -7,12 +7,15 @@
 use super::error::VisionError;
 use super::lattice::{FRACTION, Place};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::borrow::Cow;
 use std::io::Cursor;
 
 /// The greatest number of pixels that is decoded: 40 million.
 pub const MAX_PIXELS: u64 = 40_000_000;
 /// Below this width or height no arena can be found.
 const LEAST_SIDE: usize = 64;
+/// Faults and the border's lines are sought in a photo reduced to at most so many pixels a side.
+const OVERVIEW_SIDE: usize = 700;
 /// Decoders may hold one copy at 16 bit and four channels, and tables.
 const DECODER_BYTES_PER_PIXEL: u64 = 8;
 const DECODER_TABLES: u64 = 16 << 20;
@@ -158,6 +161,11 @@ impl Photo {
         self.pixels[nearest(y) * self.width + nearest(x)].map(|code| self.linear[usize::from(code)])
     }
 
+    /// By what a photo is reduced for what needs no more than about 700 pixels a side.
+    pub(crate) fn overview_factor(&self) -> usize {
+        self.width.max(self.height).div_ceil(OVERVIEW_SIDE).max(1)
+    }
+
     /// Whether a place in pixels is inside the picture.
     pub(crate) fn holds(&self, [x, y]: [f64; 2]) -> bool {
         x >= -0.5 && y >= -0.5 && x <= self.width as f64 - 0.5 && y <= self.height as f64 - 0.5
@@ -166,7 +174,10 @@ impl Photo {
     /// The photo at 1 / `factor` of its size, each pixel the mean of `factor`² sRGB pixels.
     ///
     /// The place (x, y) of the small picture is ((x + ½) `factor` − ½, …) of the large one.
-    pub(crate) fn reduced(&self, factor: usize) -> Self {
+    pub(crate) fn reduced(&self, factor: usize) -> Cow<'_, Self> {
+        if factor == 1 {
+            return Cow::Borrowed(self);
+        }
         let (width, height) = (self.width / factor, self.height / factor);
         let area = (factor * factor) as u32;
         let mut pixels = Vec::with_capacity(width * height);
@@ -187,7 +198,7 @@ impl Photo {
             pixels
                 .extend(sums.iter().map(|sum| sum.map(|value| ((value + area / 2) / area) as u8)));
         }
-        Self { width, height, pixels, linear: self.linear.clone() }
+        Cow::Owned(Self { width, height, pixels, linear: self.linear.clone() })
     }
 }
 

@@ -14,34 +14,38 @@ const GREATEST: f32 = 1.1;
 /// With `change` (last less first light) only a change of that colour and sign counts. Changes that go on
 /// beyond an end are not steps. `None` if there is no clear one.
 pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64> {
-    let slope = |i: usize| {
-        let difference = [0, 1, 2].map(|c| lights[i + 2 * HALF_WIDTH][c] - lights[i][c]);
-        match change {
-            Some(expected) => {
-                let square: f32 = expected.iter().map(|value| value * value).sum();
-                difference.iter().zip(expected).map(|(a, b)| a * b).sum::<f32>() / square.max(1e-9)
-            }
-            None => difference.iter().fold(0.0, |best: f32, value| best.max(value.abs())),
+    let axis = change.map(|expected| {
+        let square: f32 = expected.iter().map(|value| value * value).sum();
+        expected.map(|value| value / square.max(1e-9))
+    });
+    let slope = |(last, first): (&[f32; 3], &[f32; 3])| {
+        let [r, g, b] = [last[0] - first[0], last[1] - first[1], last[2] - first[2]];
+        match axis {
+            Some([x, y, z]) => r * x + g * y + b * z,
+            None => r.abs().max(g.abs()).max(b.abs()),
         }
     };
-    let slopes: Vec<f32> = (0..lights.len().saturating_sub(2 * HALF_WIDTH)).map(slope).collect();
-    let peaks = slopes
-        .windows(3)
-        .enumerate()
-        .filter(|(_, w)| w[1] >= w[0] && w[1] > w[2])
-        .map(|(i, w)| (i + 1, w[1]));
     // A step much greater than the expected one is another edge, such as that of a shadow.
     let fitting = |peak: f32| {
         if change.is_some() && peak > GREATEST { GREATEST * GREATEST / peak } else { peak }
     };
-    let (best, peak) = peaks.max_by(|a, b| fitting(a.1).total_cmp(&fitting(b.1)))?;
+    let mut slopes = lights.iter().skip(2 * HALF_WIDTH).zip(lights).map(slope);
+    let (mut before, mut here) = (slopes.next()?, slopes.next()?);
+    let mut best: Option<(f32, usize, [f32; 3])> = None;
+    for (index, after) in slopes.enumerate() {
+        let as_great = |(most, ..): &(f32, usize, [f32; 3])| fitting(here) >= *most;
+        if here >= before && here > after && best.as_ref().is_none_or(as_great) {
+            best = Some((fitting(here), index + 1, [before, here, after]));
+        }
+        (before, here) = (here, after);
+    }
+    let (_, place, [before, peak, after]) = best?;
     let least = if change.is_some() { LEAST_EXPECTED } else { LEAST_ANY };
     if peak < least {
         return None;
     }
-    let (before, after) = (slopes[best - 1], slopes[best + 1]);
     let shift = f64::from(0.5 * (before - after) / (before - 2.0 * peak + after).min(-1e-9));
-    Some((best + HALF_WIDTH) as f64 + shift)
+    Some((place + HALF_WIDTH) as f64 + shift)
 }
 
 #[cfg(test)]

@@ -37,12 +37,17 @@ pub(crate) struct Quad {
 pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
     let rows = edges.lines(Direction::Horizontal);
     let columns = edges.lines(Direction::Vertical);
+    let crossings: Vec<Vec<_>> =
+        rows.iter().map(|row| columns.iter().map(|column| cross(row, column)).collect()).collect();
     let mut quads = Vec::new();
+    let beside = pairs(&columns, size, size.1);
     for (upper, lower) in pairs(&rows, size, size.0) {
-        for (left, right) in pairs(&columns, size, size.1) {
-            if let Some(quad) = quad([lower, right, upper, left], size, arena) {
-                quads.push(quad);
-            }
+        for &(left, right) in &beside {
+            let [above, below] = [upper, lower].map(|row: usize| &crossings[row]);
+            let corners = (below[left], below[right], above[right], above[left]);
+            let (Some(a), Some(b), Some(c), Some(d)) = corners else { continue };
+            let lines = [&rows[lower], &columns[right], &rows[upper], &columns[left]];
+            quads.extend(quad([a, b, c, d], lines, size, arena));
         }
     }
     quads.sort_by(|a: &Quad, b: &Quad| b.rank.total_cmp(&a.rank));
@@ -55,29 +60,28 @@ pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) ->
     nests
 }
 
-/// All pairs of lines, smaller v first, that are far enough apart in the middle of the picture.
-fn pairs(lines: &[Line], size: (usize, usize), length: usize) -> Vec<(&Line, &Line)> {
+/// The numbers of all pairs of lines, smaller v first, that are far enough apart in the middle of the picture.
+fn pairs(lines: &[Line], size: (usize, usize), length: usize) -> Vec<(usize, usize)> {
     let least = LEAST_SIDE * size.0.min(size.1) as f64;
     let middle = length as f64 / 2.0;
     let mut pairs = Vec::new();
-    for first in lines {
-        for second in lines {
+    for (i, first) in lines.iter().enumerate() {
+        for (j, second) in lines.iter().enumerate() {
             if second.at(middle) - first.at(middle) > least {
-                pairs.push((first, second));
+                pairs.push((i, j));
             }
         }
     }
     pairs
 }
 
-/// The quadrilateral of a lower, right, upper and left line, if it can be the arena.
+/// The quadrilateral of a lower, right, upper and left line with its corners, if it can be the arena.
 fn quad(
+    corners: [[f64; 2]; 4],
     [lower, right, upper, left]: [&Line; 4],
     size: (usize, usize),
     arena: Arena,
 ) -> Option<Quad> {
-    let corners =
-        [cross(lower, left)?, cross(lower, right)?, cross(upper, right)?, cross(upper, left)?];
     let slack = OUTSIDE * size.0 as f64;
     let inside = |[x, y]: [f64; 2]| {
         x > -slack && y > -slack && x < size.0 as f64 + slack && y < size.1 as f64 + slack
