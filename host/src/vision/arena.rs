@@ -27,13 +27,10 @@ const MOST_MISFIT: f64 = 16.0;
 /// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`] or
 /// [`VisionError::OutOfView`], with what was measured.
 pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border, VisionError> {
-    let factor = photo.overview_factor();
     let edges = EdgeMap::of(small);
     if edges.contrast < LEAST_CONTRAST {
         return Err(VisionError::NoContrast { measured: edges.contrast, needed: LEAST_CONTRAST });
     }
-    let full =
-        |[x, y]: [f64; 2]| [(x + 0.5) * factor as f64 - 0.5, (y + 0.5) * factor as f64 - 0.5];
     let candidates = quads::candidates(&edges, (small.width(), small.height()), arena);
     let mut best: Option<(f64, Border)> = None;
     let mut odd: f64 = 0.0;
@@ -44,8 +41,8 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
         {
             break;
         }
-        let Some(border) = border::find(photo, arena, quad.corners.map(full)) else { continue };
-        let misfit = Viewpoint::misfit(photo, &border.map);
+        let Some(border) = border::find(small, arena, quad.corners) else { continue };
+        let misfit = Viewpoint::misfit(small, &border.map);
         if misfit > MOST_MISFIT {
             odd = odd.max(border.score);
             continue;
@@ -62,10 +59,16 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
     }
     let best = best.map(|(_, border)| border);
     let measured = best.as_ref().map_or(0.0, |border| border.score);
-    match best.filter(|border| border.score >= LEAST_SCORE) {
-        Some(border) => in_view(photo, arena, border),
-        None if odd >= LEAST_SCORE => Err(VisionError::OddBorder { arena }),
-        None => Err(VisionError::NoBorder { arena, measured, needed: LEAST_SCORE }),
+    let odd_border = Err(VisionError::OddBorder { arena });
+    let Some(found) = best.filter(|border| border.score >= LEAST_SCORE) else {
+        let none = Err(VisionError::NoBorder { arena, measured, needed: LEAST_SCORE });
+        return if odd >= LEAST_SCORE { odd_border } else { none };
+    };
+    match found.enlarged(photo, arena, photo.overview_factor()) {
+        Some(border) if Viewpoint::misfit(photo, &border.map) <= MOST_MISFIT => {
+            in_view(photo, arena, border)
+        }
+        _ => odd_border,
     }
 }
 

@@ -38,6 +38,8 @@ const DEEPEST: f32 = -1.0;
 const LEAST_RISE: f64 = 0.3;
 /// The distance of samples across a side, pixels.
 const SAMPLE_STEP: f64 = 0.5;
+/// The same for a border that was found in a reduced photo, pixels of that.
+const FULL_REACH: [f64; 2] = [2.5, 2.0];
 /// Lines of samples across each side, and samples of a line that are evenly apart in the photo.
 const SEEN: usize = PLACES / 2;
 const PIECE: usize = 12;
@@ -60,6 +62,31 @@ pub(crate) struct Border {
     pub(crate) score: f64,
     /// The root mean square distance of the border's steps from the map, pixels.
     pub(crate) residual: f64,
+    /// The change of linear light from inside to outside on each side.
+    change: [[f32; 3]; 4],
+}
+
+impl Border {
+    /// The border of a photo, found in its copy reduced by `factor`, to a fraction of the photo's pixels.
+    pub(crate) fn enlarged(self, photo: &Photo, arena: Arena, factor: usize) -> Option<Self> {
+        if factor == 1 {
+            return Some(self);
+        }
+        let factor = factor as f64;
+        let corners = self.map.seen_corners(arena).map(|pixel| enlarged(pixel, factor));
+        let map = PlanMap::from_seen_corners(photo, arena, corners, self.map.radial())?;
+        let reaches = FULL_REACH.map(|reach| reach * factor);
+        let Some(fine) = refine(photo, arena, &map, &reaches, Some(self.change)) else {
+            return Some(Self { map, residual: factor * self.residual, ..self });
+        };
+        let score = fine.shares.iter().sum::<f64>() / 4.0;
+        Some(Self { map: fine.map, score, residual: fine.residual, ..self })
+    }
+}
+
+/// The place in a photo of a pixel of its copy reduced by `factor`.
+pub(crate) fn enlarged(pixel: [f64; 2], factor: f64) -> [f64; 2] {
+    pixel.map(|value| (value + 0.5) * factor - 0.5)
 }
 
 /// Looks for the border from a candidate's corners; `None` if the floor does not end there.
@@ -68,14 +95,15 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
     let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
     let rough = refine(photo, arena, &straight, &ROUGH_REACH.map(|reach| reach * zoom), None)?;
     let floor = learn_floor(photo, &rough.map, arena)?;
-    let mut fine = rough;
+    let (mut fine, mut change) = (rough, [[0.0; 3]; 4]);
     // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
     for reaches in FINE_REACH {
         let sides = Sides::measure(photo, &fine.map, arena, &floor);
         let ends = sides.ends()?;
         let moved = moved(photo, arena, &fine.map, ends)?;
         let reaches = reaches.map(|reach| reach * zoom);
-        let next = refine(photo, arena, &moved, &reaches, Some(sides.changes(ends)))?;
+        change = sides.changes(ends);
+        let next = refine(photo, arena, &moved, &reaches, Some(change))?;
         let settled = farthest(&fine.map, &next.map, arena) < SETTLED * zoom;
         fine = next;
         if settled {
@@ -83,10 +111,9 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
         }
     }
     let score = fine.shares.iter().sum::<f64>() / 4.0;
-    if let Some(map) = by_colour(photo, arena, &fine.map, &floor) {
-        fine.map = map;
-    }
-    Some(Border { map: fine.map, score, residual: fine.residual })
+    let residual = fine.residual;
+    let (map, change) = by_colour(photo, arena, &fine.map, &floor).unwrap_or((fine.map, change));
+    Some(Border { map, score, residual, change })
 }
 
 /// How much wider a photo is than those that lengths in pixels are stated for.
@@ -163,7 +190,12 @@ fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> boo
 /// The greatest step may be that of a shadow on the floor or the top of a wall. Shadow has the floor's
 /// hue, and the faces of a wall have one hue; so where hues differ enough, the floor ends where the hue
 /// changes. What no camera could see is not believed.
-fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap, floor: &FloorModel) -> Option<PlanMap> {
+fn by_colour(
+    photo: &Photo,
+    arena: Arena,
+    map: &PlanMap,
+    floor: &FloorModel,
+) -> Option<(PlanMap, [[f32; 3]; 4])> {
     let sides = Sides::measure(photo, map, arena, floor);
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
     let least = COLOUR_SHIFT * zoom(photo) / scale;
@@ -174,16 +206,17 @@ fn by_colour(photo: &Photo, arena: Arena, map: &PlanMap, floor: &FloorModel) -> 
     let better = moved(photo, arena, map, shifts)?;
     let (before, after) = (Viewpoint::misfit(photo, map), Viewpoint::misfit(photo, &better));
     if after + CLEAR_GAIN < before {
-        return Some(better);
+        return Some((better, sides.changes(shifts)));
     }
     // The top of a wall of one height all around is as good a rectangle as its foot: the inner one counts.
     if shifts.iter().any(|&shift| shift <= 0.0) {
         return None;
     }
     let zoom = zoom(photo);
-    let change = Some(sides.changes(shifts));
-    let foot = refine(photo, arena, &better, &FOOT_REACH.map(|reach| reach * zoom), change)?.map;
-    (Viewpoint::misfit(photo, &foot) < before + CLEAR_GAIN).then_some(foot)
+    let change = sides.changes(shifts);
+    let reaches = FOOT_REACH.map(|reach| reach * zoom);
+    let foot = refine(photo, arena, &better, &reaches, Some(change))?.map;
+    (Viewpoint::misfit(photo, &foot) < before + CLEAR_GAIN).then_some((foot, change))
 }
 
 /// What is seen across the four sides.
