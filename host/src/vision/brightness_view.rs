@@ -9,6 +9,8 @@ use super::plan_view::PlanFrame;
 use super::raster::Raster;
 use crate::geometry::Point;
 
+/// With fewer places along each side of a cell brightness is interpolated between pixels.
+const BILINEAR_BELOW: usize = 3;
 /// The weights of red, green and blue (ITU-R BT.709) in 256ths.
 const WEIGHTS: [u32; 3] = [54, 183, 19];
 
@@ -37,11 +39,19 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     let mut view = Raster::filled(width, height, 0u8);
     let mut lattice = Lattice::new(photo, map, fine, width * places);
     let count = (places * places) as u32;
+    // The mean of many places is as smooth without interpolation at each of them.
+    let grey = (places < BILINEAR_BELOW).then(|| brightness_of(photo));
     for (row, out) in view.cells_mut().chunks_exact_mut(width.max(1)).enumerate() {
         sums.fill(0);
         for line in row * places..(row + 1) * places {
-            for (sum, group) in sums.iter_mut().zip(lattice.line(line).chunks_exact(places)) {
-                *sum += group.iter().map(|&place| brightness_at(photo, place)).sum::<u32>();
+            let groups = sums.iter_mut().zip(lattice.line(line).chunks_exact(places));
+            match &grey {
+                Some(grey) => groups.for_each(|(sum, group)| {
+                    *sum += group.iter().map(|&place| between_pixels(grey, place)).sum::<u32>();
+                }),
+                None => groups.for_each(|(sum, group)| {
+                    *sum += group.iter().map(|&place| luma(photo.pixel_near(place))).sum::<u32>();
+                }),
             }
         }
         for (cell, sum) in out.iter_mut().zip(&sums) {
@@ -51,24 +61,31 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     view
 }
 
-/// The brightness between four pixels.
-#[inline]
-fn brightness_at(photo: &Photo, [x, y]: Place) -> u32 {
-    let part = |value: u32| (value >> (FRACTION - 8)) & 255;
-    let (right, down) = (part(x), part(y));
-    let first = (y >> FRACTION) as usize * photo.width() + (x >> FRACTION) as usize;
-    let pair = |start: usize| match photo.pixels().get(start..start + 2) {
-        Some([a, b]) => (256 - right) * luma(*a) + right * luma(*b),
-        _ => 0,
-    };
-    ((256 - down) * (pair(first) >> 8) + down * (pair(first + photo.width()) >> 8) + (1 << 15))
-        >> 16
+/// The brightness of every pixel, sRGB codes.
+fn brightness_of(photo: &Photo) -> Raster<u8> {
+    Raster::from_cells(
+        photo.width(),
+        photo.pixels().iter().map(|&pixel| luma(pixel) as u8).collect(),
+    )
 }
 
-/// The brightness of a pixel in 256ths.
+/// The brightness between four pixels.
 #[inline]
-fn luma(pixel: [u8; 3]) -> u32 {
-    (0..3).map(|channel| WEIGHTS[channel] * u32::from(pixel[channel])).sum()
+fn between_pixels(grey: &Raster<u8>, [x, y]: Place) -> u32 {
+    let part = |value: u32| (value >> (FRACTION - 8)) & 255;
+    let (right, down) = (part(x), part(y));
+    let first = (y >> FRACTION) as usize * grey.width() + (x >> FRACTION) as usize;
+    let pair = |start: usize| match grey.cells().get(start..start + 2) {
+        Some(&[a, b]) => (256 - right) * u32::from(a) + right * u32::from(b),
+        _ => 0,
+    };
+    ((256 - down) * pair(first) + down * pair(first + grey.width()) + (1 << 15)) >> 16
+}
+
+/// The brightness of a pixel, rounded.
+#[inline]
+fn luma([r, g, b]: [u8; 3]) -> u32 {
+    (WEIGHTS[0] * u32::from(r) + WEIGHTS[1] * u32::from(g) + WEIGHTS[2] * u32::from(b) + 128) >> 8
 }
 
 #[cfg(test)]

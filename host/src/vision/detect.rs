@@ -147,11 +147,11 @@ pub fn detect(
     check(arena, options.robot_radius)?;
     let mut warnings = Vec::new();
     let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
-    let finest = match options.method {
-        Method::Robust => f64::INFINITY,
-        Method::Paper => ROBOT_CELLS / options.robot_radius,
+    let look = match options.method {
+        Method::Robust => Look::at(photo, &map, arena),
+        Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),
     };
-    let look = Look::no_finer(photo, &map, arena, finest).ok_or(VisionError::Corners)?;
+    let look = look.ok_or(VisionError::Corners)?;
     warnings
         .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
     let top = robot::find(photo, &map, &look, options.robot_radius);

@@ -12,9 +12,7 @@ use super::plan_view::PlanFrame;
 pub(crate) const FRACTION: u32 = 11;
 /// Cells between exact places.
 const STEP: usize = 8;
-/// Bits behind the point while places are counted on, so that steps add up.
-const FINE: u32 = 32;
-/// Points at the horizon of the floor would lie farther off than this, pixels.
+/// Points at the horizon of the floor would lie farther off than this, pixels: places fit 32 bits.
 const FAR: f64 = 1e6;
 
 /// A place in the photo: column and row in fixed-point pixels, left of the last column and above the last row.
@@ -25,8 +23,8 @@ pub(crate) struct Lattice<'a> {
     map: &'a PlanMap,
     frame: PlanFrame,
     columns: usize,
-    /// The greatest column and row, with [`FINE`] bits behind the point.
-    most: [i64; 2],
+    /// The greatest column and row, fixed-point.
+    most: [i32; 2],
     /// The exact places above and below the present line, and the number of the line above.
     exact: [Vec<[f64; 2]>; 2],
     above: Option<usize>,
@@ -37,7 +35,7 @@ impl<'a> Lattice<'a> {
     /// The lattice of the first `columns` cells of every line of a frame.
     pub(crate) fn new(photo: &Photo, map: &'a PlanMap, frame: PlanFrame, columns: usize) -> Self {
         let most = [photo.width(), photo.height()]
-            .map(|length| ((length as i64 - 1) << FINE) - (1 << (FINE - FRACTION)));
+            .map(|length| (((length as i32).min(FAR as i32) - 1) << FRACTION) - 1);
         let line = Vec::with_capacity(columns + STEP);
         Self { map, frame, columns, most, exact: Default::default(), above: None, line }
     }
@@ -53,23 +51,24 @@ impl<'a> Lattice<'a> {
         }
         let share = (number - above) as f64 / STEP as f64;
         let mix = |index: usize| {
-            let (upper, lower) = (self.exact[0][index], self.exact[1][index]);
-            [0, 1].map(|axis| {
-                let value = upper[axis] + share * (lower[axis] - upper[axis]);
-                (value * (1i64 << FINE) as f64) as i64
-            })
+            let ([x0, y0], [x1, y1]) = (self.exact[0][index], self.exact[1][index]);
+            let fixed = |value: f64| (value * f64::from(1 << FRACTION)) as i32;
+            [fixed(x0 + share * (x1 - x0)), fixed(y0 + share * (y1 - y0))]
         };
+        let [right, bottom] = self.most;
+        let inside = |[x, y]: [i32; 2]| (0..=right).contains(&x) && (0..=bottom).contains(&y);
         self.line.clear();
         let mut end = mix(0);
         for index in 1..self.exact[0].len() {
-            let mut place = end;
-            end = mix(index);
-            let step = [0, 1].map(|axis| (end[axis] - place[axis]) / STEP as i64);
-            for _ in 0..STEP {
-                self.line.push([0, 1].map(|axis| {
-                    (place[axis].clamp(0, self.most[axis]) >> (FINE - FRACTION)) as u32
-                }));
-                place = [place[0] + step[0], place[1] + step[1]];
+            let [x, y] = std::mem::replace(&mut end, mix(index));
+            let (dx, dy) = ((end[0] - x) / STEP as i32, (end[1] - y) / STEP as i32);
+            let places: [[i32; 2]; STEP] =
+                std::array::from_fn(|i| [x + i as i32 * dx, y + i as i32 * dy]);
+            if inside([x, y]) && inside(end) {
+                self.line.extend(places.map(|[x, y]| [x as u32, y as u32]));
+            } else {
+                let on_rim = |[x, y]: [i32; 2]| [x.clamp(0, right), y.clamp(0, bottom)];
+                self.line.extend(places.map(on_rim).map(|[x, y]| [x as u32, y as u32]));
             }
         }
         &self.line[..self.columns]

@@ -31,7 +31,8 @@ pub(crate) struct Look {
     pub(crate) view: PlanFrame,
     pub(crate) features: Raster<Feature>,
     pub(crate) floor: FloorModel,
-    bright: Bright,
+    /// Unknown if only the robot is looked for.
+    bright: Option<Bright>,
 }
 
 /// Where bright floor was found, by coarse cells.
@@ -43,10 +44,14 @@ struct Bright {
 impl Look {
     /// Looks at the arena through a map; `None` if no floor colour can be learnt.
     pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
-        Self::no_finer(photo, map, arena, f64::INFINITY)
+        let mut look = Self::no_finer(photo, map, arena, f64::INFINITY)?;
+        let coarse = Coarse::of(&look.view, &look.features, &look.floor);
+        look.floor.shadow = shadow::find(&look.floor, &coarse.view);
+        let cells = shadow::highlights(&look.floor, &coarse.view, SURE);
+        Some(Self { bright: Some(Bright { coarse, cells }), ..look })
     }
 
-    /// The same with at most `scale` cells a metre.
+    /// Looks no closer than `scale` cells a metre and not for shadow: enough to find the robot.
     pub(crate) fn no_finer(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64) -> Option<Self> {
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let most = MOST_CELLS / arena.width.max(arena.height);
@@ -55,11 +60,8 @@ impl Look {
             PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
         let view = PlanFrame { margin: VIEW_MARGIN.min(frame.margin), ..frame };
         let features = view_of(photo, map, &view, feature);
-        let mut floor = FloorModel::fit(arena, &samples(&view, &features))?;
-        let coarse = Coarse::of(&view, &features, &floor);
-        floor.shadow = shadow::find(&floor, &coarse.view);
-        let cells = shadow::highlights(&floor, &coarse.view, SURE);
-        Some(Self { frame, view, features, floor, bright: Bright { coarse, cells } })
+        let floor = FloorModel::fit(arena, &samples(&view, &features))?;
+        Some(Self { frame, view, features, floor, bright: None })
     }
 
     /// Whether the centre of a cell lies on the arena.
@@ -71,12 +73,10 @@ impl Look {
 
     /// Whether a point belongs to floor that is lit or brighter than the model.
     pub(crate) fn is_bright_floor(&self, point: Point) -> bool {
+        let Some(Bright { coarse, cells }) = &self.bright else { return false };
         let (column, row) = self.view.cell(point);
-        let cell = self
-            .bright
-            .coarse
-            .cell(column.round().max(0.0) as usize, row.round().max(0.0) as usize);
-        cell.is_some_and(|cell| self.bright.cells.cells()[cell])
+        let cell = coarse.cell(column.round().max(0.0) as usize, row.round().max(0.0) as usize);
+        cell.is_some_and(|cell| cells.cells()[cell])
     }
 
     /// The colour at a floor point, of the cell that holds it.

@@ -154,11 +154,17 @@ impl Photo {
         })
     }
 
-    /// The linear light of the pixel at a place of a [`super::lattice::Lattice`] of this photo.
+    /// The pixel nearest to a place of a [`super::lattice::Lattice`] of this photo.
     #[inline]
-    pub(crate) fn light_near(&self, [x, y]: Place) -> [f32; 3] {
+    pub(crate) fn pixel_near(&self, [x, y]: Place) -> [u8; 3] {
         let nearest = |value: u32| ((value + (1 << (FRACTION - 1))) >> FRACTION) as usize;
-        self.pixels[nearest(y) * self.width + nearest(x)].map(|code| self.linear[usize::from(code)])
+        self.pixels[nearest(y) * self.width + nearest(x)]
+    }
+
+    /// The linear light of that pixel.
+    #[inline]
+    pub(crate) fn light_near(&self, place: Place) -> [f32; 3] {
+        self.pixel_near(place).map(|code| self.linear[usize::from(code)])
     }
 
     /// By what a photo is reduced for what needs no more than about 700 pixels a side.

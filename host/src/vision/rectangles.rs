@@ -5,6 +5,7 @@
 //! 1, a covered floor cell costs 1), then the next one over what is left, until little is left.
 
 use super::raster::Raster;
+use super::runs::{Run, runs};
 
 /// Regions are searched at no more than this many blocks of cells a side.
 const MOST_BLOCKS: usize = 90;
@@ -34,49 +35,41 @@ pub struct CellRect {
 /// assert_eq!(rectangles(&mask, 4.0), [CellRect { x0: 2, y0: 1, x1: 6, y1: 7 }]);
 /// ```
 pub fn rectangles(mask: &Raster<bool>, least: f64) -> Vec<CellRect> {
-    let (regions, count) = mask.regions(true);
-    let mut bounds = vec![CellRect { x0: usize::MAX, y0: usize::MAX, x1: 0, y1: 0 }; count];
-    let mut areas = vec![0usize; count];
-    for y in 0..regions.height() {
-        for (x, &region) in regions.row(y).iter().enumerate() {
-            if let Some(index) = (region as usize).checked_sub(1) {
-                let b = &mut bounds[index];
-                *b = CellRect {
-                    x0: b.x0.min(x),
-                    y0: b.y0.min(y),
-                    x1: b.x1.max(x + 1),
-                    y1: b.y1.max(y + 1),
-                };
-                areas[index] += 1;
-            }
-        }
+    let (runs, count) = runs(mask, true);
+    let mut regions: Vec<Vec<Run>> = vec![Vec::new(); count];
+    for run in runs {
+        regions[run.region as usize - 1].push(run);
     }
     let mut found = Vec::new();
-    for (index, (&bound, &area)) in bounds.iter().zip(&areas).enumerate() {
+    for region in regions {
+        let area: usize = region.iter().map(|run| run.end - run.start).sum();
         let least = least.max(LEAST_SHARE * area as f64);
         if area as f64 >= least {
-            cover(&regions, index as u32 + 1, bound, least, &mut found);
+            cover(&region, least, &mut found);
         }
     }
     found
 }
 
+/// The columns and rows that hold runs, which come row by row.
+fn bounds(runs: &[Run]) -> CellRect {
+    CellRect {
+        x0: runs.iter().map(|run| run.start).min().unwrap_or(0),
+        y0: runs.first().map_or(0, |run| run.row),
+        x1: runs.iter().map(|run| run.end).max().unwrap_or(0),
+        y1: runs.last().map_or(0, |run| run.row + 1),
+    }
+}
+
 /// Covers one region, best rectangle first.
-fn cover(
-    regions: &Raster<u32>,
-    region: u32,
-    bound: CellRect,
-    least: f64,
-    found: &mut Vec<CellRect>,
-) {
+fn cover(region: &[Run], least: f64, found: &mut Vec<CellRect>) {
+    let bound = bounds(region);
     let (width, height) = (bound.x1 - bound.x0, bound.y1 - bound.y0);
-    let mut gain = Raster::from_fn(width, height, |x, y| {
-        if regions.get((bound.x0 + x) as i64, (bound.y0 + y) as i64) == Some(region) {
-            1i32
-        } else {
-            -1
-        }
-    });
+    let mut gain = Raster::filled(width, height, -1i8);
+    for run in region {
+        let row = (run.row - bound.y0) * width;
+        gain.cells_mut()[row + run.start - bound.x0..row + run.end - bound.x0].fill(1);
+    }
     for _ in 0..MOST_RECTANGLES {
         let sums = Sums::of(&gain);
         let block = width.max(height).div_ceil(MOST_BLOCKS);
@@ -103,13 +96,13 @@ fn cover(
 struct Sums(Raster<i32>);
 
 impl Sums {
-    fn of(values: &Raster<i32>) -> Self {
+    fn of(values: &Raster<i8>) -> Self {
         let mut sums = Raster::filled(values.width() + 1, values.height() + 1, 0);
         let width = values.width() + 1;
         for y in 0..values.height() {
             let mut row = 0;
             for (x, value) in values.row(y).iter().enumerate() {
-                row += value;
+                row += i32::from(*value);
                 sums.cells_mut()[(y + 1) * width + x + 1] = sums.cells()[y * width + x + 1] + row;
             }
         }
@@ -135,12 +128,20 @@ fn best_of_blocks(sums: &Sums, width: usize, height: usize, block: usize) -> Opt
             columns.windows(2).map(|x| sums.of_rect(block(x))).collect()
         })
         .collect();
+    // No rectangle has more than all that gains in its rows: those that cannot win are not looked at.
+    let mut gains = vec![0; blocks.len() + 1];
+    for (row, values) in blocks.iter().enumerate() {
+        gains[row + 1] = gains[row] + values.iter().map(|&value| value.max(0)).sum::<i32>();
+    }
     let mut best: Option<(i32, CellRect)> = None;
     let mut strip = vec![0; columns.len() - 1];
     for top in 0..blocks.len() {
         strip.fill(0);
         for (bottom, row) in blocks.iter().enumerate().skip(top) {
             strip.iter_mut().zip(row).for_each(|(sum, block)| *sum += block);
+            if best.is_some_and(|(most, _)| gains[bottom + 1] - gains[top] <= most) {
+                continue;
+            }
             let (sum, first, end) = best_run(&strip);
             if best.is_none_or(|(most, _)| sum > most) {
                 let (x0, x1) = (columns[first], columns[end]);
