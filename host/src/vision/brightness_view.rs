@@ -9,6 +9,8 @@ use super::plan_view::PlanFrame;
 use super::raster::Raster;
 use crate::geometry::Point;
 
+/// The most places along each side of a cell.
+const MOST_PLACES: usize = 4;
 /// With fewer places along each side of a cell brightness is interpolated between pixels.
 const BILINEAR_BELOW: usize = 3;
 /// The weights of red, green and blue (ITU-R BT.709) in 256ths.
@@ -32,7 +34,8 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 /// ```
 pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<u8> {
     let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);
-    let places = (map.scale_at(middle) / frame.scale).floor().clamp(1.0, 4.0) as usize;
+    let places =
+        (map.scale_at(middle) / frame.scale).floor().clamp(1.0, MOST_PLACES as f64) as usize;
     let (width, height) = frame.size();
     let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
     let mut sums = vec![0u32; width];
@@ -44,14 +47,12 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     for (row, out) in view.cells_mut().chunks_exact_mut(width.max(1)).enumerate() {
         sums.fill(0);
         for line in row * places..(row + 1) * places {
-            let groups = sums.iter_mut().zip(lattice.line(line).chunks_exact(places));
-            match &grey {
-                Some(grey) => groups.for_each(|(sum, group)| {
-                    *sum += group.iter().map(|&place| between_pixels(grey, place)).sum::<u32>();
-                }),
-                None => groups.for_each(|(sum, group)| {
-                    *sum += group.iter().map(|&place| luma(photo.pixel_near(place))).sum::<u32>();
-                }),
+            let line = lattice.line(line);
+            match (&grey, places) {
+                (Some(grey), 1) => add_line::<1>(line, &mut sums, |at| between_pixels(grey, at)),
+                (Some(grey), _) => add_line::<2>(line, &mut sums, |at| between_pixels(grey, at)),
+                (None, 3) => add_line::<3>(line, &mut sums, |at| luma(photo.pixel_near(at))),
+                (None, _) => add_line::<4>(line, &mut sums, |at| luma(photo.pixel_near(at))),
             }
         }
         for (cell, sum) in out.iter_mut().zip(&sums) {
@@ -59,6 +60,17 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
         }
     }
     view
+}
+
+/// Adds the brightness along a line of places, `EACH` of them to every cell.
+fn add_line<const EACH: usize>(
+    line: &[Place],
+    sums: &mut [u32],
+    brightness: impl Fn(Place) -> u32,
+) {
+    for (sum, places) in sums.iter_mut().zip(line.as_chunks::<EACH>().0) {
+        *sum += places.iter().map(|&place| brightness(place)).sum::<u32>();
+    }
 }
 
 /// The brightness of every pixel, sRGB codes.

@@ -11,8 +11,6 @@ use crate::geometry::{Arena, Point};
 
 /// The most places along each side of a cell.
 const MOST_PLACES: usize = 4;
-/// With fewer places along each side of a cell light is interpolated between pixels.
-const BILINEAR_BELOW: usize = 3;
 
 /// Where the cells of a plan view lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +76,14 @@ pub(crate) fn view_of<T: Copy>(
     for row in 0..height {
         sums.fill([0.0; 3]);
         for line in row * places..(row + 1) * places {
-            add_line(photo, lattice.line(line), places, &mut sums);
+            let line = lattice.line(line);
+            // The mean of many places is as smooth without interpolation at each of them.
+            match places {
+                1 => add_line::<1>(line, &mut sums, |at| photo.light_at(at)),
+                2 => add_line::<2>(line, &mut sums, |at| photo.light_at(at)),
+                3 => add_line::<3>(line, &mut sums, |at| photo.light_near(at)),
+                _ => add_line::<4>(line, &mut sums, |at| photo.light_near(at)),
+            }
         }
         cells.extend(sums.iter().map(|sum| take(sum.map(|value| value * share))));
     }
@@ -91,14 +96,14 @@ fn places(map: &PlanMap, frame: &PlanFrame) -> usize {
     (map.scale_at(middle) / frame.scale).round().clamp(1.0, MOST_PLACES as f64) as usize
 }
 
-/// Adds the light along a line of places, `each` of them to every cell.
-fn add_line(photo: &Photo, line: &[Place], each: usize, sums: &mut [[f32; 3]]) {
-    let groups = sums.iter_mut().zip(line.chunks_exact(each));
-    // The mean of many places is as smooth without interpolation at each of them.
-    if each < BILINEAR_BELOW {
-        groups.for_each(|(sum, group)| group.iter().for_each(|&at| add(sum, photo.light_at(at))));
-    } else {
-        groups.for_each(|(sum, group)| group.iter().for_each(|&at| add(sum, photo.light_near(at))));
+/// Adds the light along a line of places, `EACH` of them to every cell.
+fn add_line<const EACH: usize>(
+    line: &[Place],
+    sums: &mut [[f32; 3]],
+    light: impl Fn(Place) -> [f32; 3],
+) {
+    for (sum, places) in sums.iter_mut().zip(line.as_chunks::<EACH>().0) {
+        places.iter().for_each(|&place| add(sum, light(place)));
     }
 }
 

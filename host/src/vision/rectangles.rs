@@ -97,13 +97,16 @@ struct Sums(Raster<i32>);
 
 impl Sums {
     fn of(values: &Raster<i8>) -> Self {
-        let mut sums = Raster::filled(values.width() + 1, values.height() + 1, 0);
         let width = values.width() + 1;
+        let mut sums = Raster::filled(width, values.height() + 1, 0);
         for y in 0..values.height() {
+            let (above, below) = sums.cells_mut()[y * width..].split_at_mut(width);
             let mut row = 0;
-            for (x, value) in values.row(y).iter().enumerate() {
-                row += i32::from(*value);
-                sums.cells_mut()[(y + 1) * width + x + 1] = sums.cells()[y * width + x + 1] + row;
+            for ((below, above), &value) in
+                below[1..].iter_mut().zip(&above[1..]).zip(values.row(y))
+            {
+                row += i32::from(value);
+                *below = above + row;
             }
         }
         Self(sums)
