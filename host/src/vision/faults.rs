@@ -22,8 +22,8 @@ const LEAST_NEARLY: f64 = 0.03;
 const LEAST_SHARPNESS: f64 = 0.33;
 const NEAR: usize = 2;
 const FAR: usize = 8;
-/// Every so many-th row is looked at for steps.
-const ROW_STEP: usize = 2;
+/// Steps are counted in about so many rows.
+const ROWS: usize = 160;
 /// Steps of fewer codes tell nothing of sharpness.
 const LEAST_STEP: usize = 8;
 /// The strongest steps are those above this share of all.
@@ -88,7 +88,7 @@ fn strongest_step(photo: &Photo, distance: usize) -> usize {
     let (width, height) = (photo.width(), photo.height());
     let mut counts = [0usize; 256];
     let code = |pixel: [u8; 3]| pixel[0].max(pixel[1]).max(pixel[2]);
-    for y in (0..height.saturating_sub(distance)).step_by(ROW_STEP) {
+    for y in (0..height.saturating_sub(distance)).step_by((height / ROWS).max(1)) {
         let row = &photo.pixels()[y * width..(y + 1) * width];
         let below = &photo.pixels()[(y + distance) * width..(y + distance + 1) * width];
         for ((&here, &right), &down) in row.iter().zip(row.iter().skip(distance)).zip(below) {

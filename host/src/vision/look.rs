@@ -16,6 +16,8 @@ const MOST_CELLS: f64 = 620.0;
 const MARGIN_SHARE: f64 = 0.12;
 /// How far the colours reach beyond the arena, metres: the robot's top leans over its sides.
 const VIEW_MARGIN: f64 = 0.05;
+/// To find the robot a floor model of every so many-th sample is good enough.
+const ROUGH_FLOOR: usize = 3;
 /// Shadow and highlights are sought with about this many cells along the longer side.
 const COARSE_CELLS: f64 = 220.0;
 /// A colour within this many standard deviations of the floor's is surely floor.
@@ -44,7 +46,7 @@ struct Bright {
 impl Look {
     /// Looks at the arena through a map; `None` if no floor colour can be learnt.
     pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
-        let mut look = Self::no_finer(photo, map, arena, f64::INFINITY)?;
+        let mut look = Self::of(photo, map, arena, f64::INFINITY, 1)?;
         let coarse = Coarse::of(&look.view, &look.features, &look.floor);
         look.floor.shadow = shadow::find(&look.floor, &coarse.view);
         let cells = shadow::highlights(&look.floor, &coarse.view, SURE);
@@ -53,6 +55,12 @@ impl Look {
 
     /// Looks no closer than `scale` cells a metre and not for shadow: enough to find the robot.
     pub(crate) fn no_finer(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64) -> Option<Self> {
+        Self::of(photo, map, arena, scale, ROUGH_FLOOR)
+    }
+
+    /// Looks with at most `scale` cells a metre; every `stride`-th of the usual samples makes the floor's
+    /// model.
+    fn of(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64, stride: usize) -> Option<Self> {
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let most = MOST_CELLS / arena.width.max(arena.height);
         let scale = map.scale_at(middle).min(most).min(scale);
@@ -60,7 +68,7 @@ impl Look {
             PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
         let view = PlanFrame { margin: VIEW_MARGIN.min(frame.margin), ..frame };
         let features = view_of(photo, map, &view, feature);
-        let floor = FloorModel::fit(arena, &samples(&view, &features))?;
+        let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
         Some(Self { frame, view, features, floor, bright: None })
     }
 
@@ -142,8 +150,8 @@ impl Coarse {
     }
 }
 
-/// So many cells of the arena as the floor's model is fitted to.
-fn samples(frame: &PlanFrame, features: &Raster<Feature>) -> Vec<(Point, Feature)> {
+/// So many cells of the arena as the floor's model is fitted to, or every `stride`-th of them.
+fn samples(frame: &PlanFrame, features: &Raster<Feature>, stride: usize) -> Vec<(Point, Feature)> {
     let arena = frame.arena;
     let inside = |value: f64, length: f64| value > 0.0 && value < length;
     let columns: Vec<usize> = (0..features.width())
@@ -154,7 +162,7 @@ fn samples(frame: &PlanFrame, features: &Raster<Feature>) -> Vec<(Point, Feature
         .collect();
     let count = columns.len() * rows.len();
     (0..count)
-        .step_by(sample_step(count))
+        .step_by(stride * sample_step(count))
         .map(|index| {
             let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
             let seen = features.cells()[row * features.width() + column];

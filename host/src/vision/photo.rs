@@ -187,22 +187,20 @@ impl Photo {
         let (width, height) = (self.width / factor, self.height / factor);
         let area = (factor * factor) as u32;
         let mut pixels = Vec::with_capacity(width * height);
-        let mut sums = vec![[0u32; 3]; width];
-        for y in 0..height {
-            sums.fill([0; 3]);
-            for row in 0..factor {
-                let start = (y * factor + row) * self.width;
-                let line = &self.pixels[start..start + width * factor];
-                for (sum, group) in sums.iter_mut().zip(line.chunks_exact(factor)) {
-                    for pixel in group {
-                        for channel in 0..3 {
-                            sum[channel] += u32::from(pixel[channel]);
-                        }
-                    }
-                }
+        let mut sums = vec![0u32; 3 * width * factor];
+        for rows in self.pixels.chunks_exact(self.width * factor) {
+            sums.fill(0);
+            for row in rows.chunks_exact(self.width) {
+                let codes = row.as_flattened().iter();
+                sums.iter_mut().zip(codes).for_each(|(sum, &code)| *sum += u32::from(code));
             }
-            pixels
-                .extend(sums.iter().map(|sum| sum.map(|value| ((value + area / 2) / area) as u8)));
+            pixels.extend(sums.chunks_exact(3 * factor).map(|group| {
+                let mut sum = [area / 2; 3];
+                for pixel in group.as_chunks::<3>().0 {
+                    sum.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += value);
+                }
+                sum.map(|value| (value / area) as u8)
+            }));
         }
         Cow::Owned(Self { width, height, pixels, linear: self.linear.clone() })
     }
