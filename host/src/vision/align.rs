@@ -8,6 +8,7 @@
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::profile::step;
+use super::viewpoint::Viewpoint;
 use crate::geometry::{Arena, Point};
 use nalgebra::{SMatrix, SVector};
 
@@ -117,22 +118,33 @@ pub(crate) struct Fit {
     pub(crate) shares: [f64; 4],
 }
 
-/// Fits the map to steps; steps farther than `width` pixels do not count.
-///
-/// With `lens` the radial coefficient is fitted too, else it stays. `None` if the steps do not
-/// determine the map. `stride` is that of the steps.
+/// What counts when a map is fitted to steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms {
+    /// Steps farther than this from the map do not count, pixels.
+    pub(crate) width: f64,
+    /// Whether the radial coefficient is fitted too; else it stays.
+    pub(crate) lens: bool,
+    /// Every so many-th place was looked at for steps.
+    pub(crate) stride: usize,
+    /// The side whose steps do not count.
+    pub(crate) without: Option<usize>,
+    /// Whether the map should be one that a camera has, [`Viewpoint::conditions`]; its focal length is
+    /// then fitted too.
+    pub(crate) camera: bool,
+}
+
+/// Fits the map to steps; `None` if the steps do not determine it.
 pub(crate) fn fit(
     photo: &Photo,
     arena: Arena,
     map: &PlanMap,
     steps: &[Step],
-    width: f64,
-    lens: bool,
-    stride: usize,
+    terms: Terms,
 ) -> Option<Fit> {
     let mut map = map.clone();
     for _ in 0..MOST_ROUNDS {
-        let (next, change) = gauss_newton(photo, arena, &map, steps, width, lens)?;
+        let (next, change) = gauss_newton(photo, arena, &map, steps, terms)?;
         map = next;
         if change < SETTLED {
             break;
@@ -142,70 +154,110 @@ pub(crate) fn fit(
     for step in steps {
         let point = map.to_floor(step.pixel);
         let distance = inward(arena, step.side, point) * map.scale_at(point);
-        if distance.abs() < width {
+        if distance.abs() < terms.width {
             sum += distance * distance;
             count += 1;
         }
         if distance.abs() < FITTING_SHARE * photo.width() as f64 {
-            shares[step.side] += stride as f64 / PLACES as f64;
+            shares[step.side] += terms.stride as f64 / PLACES as f64;
         }
     }
     Some(Fit { map, residual: (sum / count.max(1) as f64).sqrt(), shares })
 }
 
+/// The parameters of the fit: the corners' ideal pixels, the radial coefficient in hundredths (like a pixel
+/// in size) and the logarithm of the camera's focal length.
+const PARAMETERS: usize = 10;
+const LENS: usize = 8;
+const FOCAL: usize = 9;
+/// Derivatives are differences over this.
+const NUDGE: f64 = 1e-3;
+
 /// One step of the fit: the next map, and how far its parameters moved, pixels.
 ///
-/// The parameters are the corners' ideal pixels and the radial coefficient in hundredths; a residual is
-/// the distance of an observed step from its side. Its derivatives are differences; pixels per metre
-/// hardly change with the parameters and are taken from the present map.
+/// A residual is the distance of an observed step from its side. Pixels per metre hardly change with the
+/// parameters and are taken from the present map.
 fn gauss_newton(
     photo: &Photo,
     arena: Arena,
     map: &PlanMap,
     steps: &[Step],
-    width: f64,
-    lens: bool,
+    terms: Terms,
 ) -> Option<(PlanMap, f64)> {
-    const NUDGE: f64 = 1e-3;
     let corners = map.ideal_corners(arena);
-    let with = |change: &SVector<f64, 9>| {
+    let with = |change: &SVector<f64, PARAMETERS>| {
         let moved = [0, 1, 2, 3]
             .map(|i| [corners[i][0] + change[2 * i], corners[i][1] + change[2 * i + 1]]);
-        PlanMap::from_corners(photo, arena, moved, map.radial() + change[8] / 100.0)
+        PlanMap::from_corners(photo, arena, moved, map.radial() + change[LENS] / 100.0)
     };
-    let mut nudged = Vec::with_capacity(9);
-    for parameter in 0..9 {
-        let mut change = SVector::<f64, 9>::zeros();
+    let mut nudged = Vec::with_capacity(FOCAL);
+    for parameter in 0..FOCAL {
+        let mut change = SVector::<f64, PARAMETERS>::zeros();
         change[parameter] = NUDGE;
         nudged.push(with(&change)?);
     }
-    let mut normal = SMatrix::<f64, 9, 9>::identity() * DAMPING;
-    let mut right = SVector::<f64, 9>::zeros();
-    for step in steps {
+    let mut sums = Sums::new();
+    for step in steps.iter().filter(|step| Some(step.side) != terms.without) {
         let ideal = map.unbend(step.pixel);
         let scale = map.scale_at(map.ideal_to_floor(ideal));
         let outward =
             |map: &PlanMap, ideal| -inward(arena, step.side, map.ideal_to_floor(ideal)) * scale;
         let now = outward(map, ideal);
-        let ratio = now / width;
+        let ratio = now / terms.width;
         if ratio.abs() >= 1.0 {
             continue;
         }
         let weight = (1.0 - ratio * ratio).powi(2) / (STEP_NOISE * STEP_NOISE);
-        // Moved corners leave the lens as it is; only the last parameter is the lens itself.
-        let other_lens = if lens { nudged[8].unbend(step.pixel) } else { ideal };
-        let row = SVector::<f64, 9>::from_fn(|i, _| {
-            (outward(&nudged[i], if i < 8 { ideal } else { other_lens }) - now) / NUDGE
+        // Moved corners leave the lens as it is; only its own parameter changes it.
+        let other_lens = if terms.lens { nudged[LENS].unbend(step.pixel) } else { ideal };
+        let row = SVector::from_fn(|i, _| match i {
+            FOCAL => 0.0,
+            LENS => (outward(&nudged[LENS], other_lens) - now) / NUDGE,
+            _ => (outward(&nudged[i], ideal) - now) / NUDGE,
         });
-        normal += weight * row * row.transpose();
-        right -= weight * now * row;
+        sums.add(row, now, weight);
     }
-    // The lens is measured in hundredths, like a pixel in size; its usual value is 0.
-    let prior = if lens { 1.0 / (100.0 * RADIAL_SPREAD).powi(2) } else { 1e12 };
-    normal[(8, 8)] += prior;
-    right[8] -= if lens { prior * map.radial() * 100.0 } else { 0.0 };
-    let change = normal.cholesky()?.solve(&right);
-    Some((with(&change)?, change.amax()))
+    let usual = if terms.lens { 1.0 / (100.0 * RADIAL_SPREAD).powi(2) } else { 1e12 };
+    let stays = if terms.lens { 100.0 * map.radial() } else { 0.0 };
+    sums.add(SVector::ith(LENS, 1.0), stays, usual);
+    if terms.camera {
+        sums.add_camera(photo, map, &nudged);
+    }
+    let change = sums.normal.cholesky()?.solve(&sums.right);
+    Some((with(&change)?, change.fixed_rows::<FOCAL>(0).amax()))
+}
+
+/// The sums of the normal equations.
+struct Sums {
+    normal: SMatrix<f64, PARAMETERS, PARAMETERS>,
+    right: SVector<f64, PARAMETERS>,
+}
+
+impl Sums {
+    fn new() -> Self {
+        Self { normal: SMatrix::identity() * DAMPING, right: SVector::zeros() }
+    }
+
+    /// Adds a residual with its derivatives.
+    fn add(&mut self, row: SVector<f64, PARAMETERS>, residual: f64, weight: f64) {
+        self.normal += weight * row * row.transpose();
+        self.right -= weight * residual * row;
+    }
+
+    /// Adds the conditions of a camera with about the likeliest focal length.
+    fn add_camera(&mut self, photo: &Photo, map: &PlanMap, nudged: &[PlanMap]) {
+        let focal = Viewpoint::likeliest_focal(photo, map);
+        let now = Viewpoint::conditions(photo, map, focal);
+        let longer = Viewpoint::conditions(photo, map, focal * NUDGE.exp());
+        let moved: Vec<_> =
+            nudged.iter().map(|map| Viewpoint::conditions(photo, map, focal)).collect();
+        for (index, &residual) in now.iter().enumerate() {
+            let row = SVector::from_fn(|i, _| {
+                (moved.get(i).unwrap_or(&longer)[index] - residual) / NUDGE
+            });
+            self.add(row, residual, 1.0);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -237,13 +289,41 @@ mod tests {
         let mut map = PlanMap::from_seen_corners(&photo, ARENA, rough, 0.0).unwrap();
         for reach in [8.0, 4.0, 2.5] {
             let found = steps(&photo, &map, ARENA, &Search { reach, change: None }, 1);
-            map = fit(&photo, ARENA, &map, &found, reach, true, 1).unwrap().map;
+            let terms = Terms { width: reach, lens: true, stride: 1, without: None, camera: false };
+            map = fit(&photo, ARENA, &map, &found, terms).unwrap().map;
         }
         for (found, true_corner) in map.seen_corners(ARENA).into_iter().zip(truth) {
             let error = (found[0] - true_corner[0]).hypot(found[1] - true_corner[1]);
             assert!(error < 0.2, "{error} px");
         }
         assert!((map.radial() + 0.05).abs() < 0.01, "{}", map.radial());
+    }
+
+    #[test]
+    fn three_sides_seen_by_a_camera_predict_the_fourth() {
+        // 1.05 widths of focal length from 2.6 m above, tilted by 0.25: the usual focal length.
+        let (sin, cos, focal) = (0.25f64.sin(), 0.25f64.cos(), 1.05 * 320.0);
+        let truth = super::super::plan_map::corner_points(ARENA).map(|[x, y]| {
+            let (x, y, z) = (x - 0.75, y - 0.0, 2.6);
+            let (up, away) = (cos * y - sin * z, sin * y + cos * z);
+            [159.5 + focal * x / away, 119.5 - focal * up / away]
+        });
+        let photo = drawn(truth, 0.0);
+        let mut wrong = truth;
+        (wrong[2][1], wrong[3][1]) = (wrong[2][1] - 6.0, wrong[3][1] - 6.0);
+        let fitted = |camera: bool| {
+            let mut map = PlanMap::from_seen_corners(&photo, ARENA, wrong, 0.0).unwrap();
+            for _ in 0..4 {
+                let found = steps(&photo, &map, ARENA, &Search { reach: 3.0, change: None }, 1);
+                let terms = Terms { width: 3.0, lens: false, stride: 1, without: Some(2), camera };
+                map = fit(&photo, ARENA, &map, &found, terms).unwrap().map;
+            }
+            let upper = map.seen_corners(ARENA).into_iter().zip(truth).skip(2);
+            upper.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+        };
+        // Without the camera nothing moves the side; with it a fraction of a pixel is left.
+        let (free, seen) = (fitted(false), fitted(true));
+        assert!(free > 5.0 && seen < 1.5, "{free} {seen} px");
     }
 
     #[test]

@@ -19,7 +19,7 @@ const SURE_SCORE: f64 = 0.93;
 /// How much a candidate's edges and size count beside the share of its profiles.
 const RANK_WEIGHT: f64 = 1.2;
 /// The misfit of a camera that no true border reaches, squared standard deviations.
-const MOST_MISFIT: f64 = 16.0;
+const MOST_MISFIT: f64 = 10.0;
 
 /// Finds the arena's border in a photo, of which `small` is the overview.
 ///
@@ -42,6 +42,10 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
             break;
         }
         let Some(border) = border::find(small, arena, quad.corners) else { continue };
+        let misfit = Viewpoint::misfit(small, &border.map);
+        let odd_one = misfit > MOST_MISFIT;
+        let anew = odd_one.then(|| border.reconsidered(small, arena)).flatten();
+        let border = anew.unwrap_or(border);
         let misfit = Viewpoint::misfit(small, &border.map);
         if misfit > MOST_MISFIT {
             odd = odd.max(border.score);

@@ -53,6 +53,7 @@ mod robust;
 mod runs;
 mod shadow;
 mod sharpen;
+mod sides;
 mod stereo;
 mod viewpoint;
 

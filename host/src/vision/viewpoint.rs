@@ -45,14 +45,26 @@ impl Viewpoint {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// The conditions that a camera with a focal length (widths of the picture) and its axis through the
+    /// picture's centre puts on a map, in standard deviations: the angle and the ratio of the columns, and
+    /// that the focal length is a usual one.
+    pub(crate) fn conditions(photo: &Photo, map: &PlanMap, focal: f64) -> [f64; 3] {
+        let [angle, ratio] = of_columns(&map.centred_homography(), focal * photo.width() as f64);
+        [angle, ratio, (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD]
+    }
+
+    /// The focal length that meets a map's conditions best, widths of the picture.
+    pub(crate) fn likeliest_focal(photo: &Photo, map: &PlanMap) -> f64 {
+        let homography = map.centred_homography();
+        let costs = focal_costs(&homography, photo.width() as f64);
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(USUAL_FOCAL, |(_, focal)| focal)
+    }
+
     /// The viewpoint that a map implies; `None` if no camera could have it.
     pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
         let homography = map.centred_homography();
         let width = photo.width() as f64;
-        let cost = |focal: f64| {
-            misfit(&homography, focal * width) + ((focal / USUAL_FOCAL).ln() / FOCAL_SPREAD).powi(2)
-        };
-        let costs: Vec<(f64, f64)> = focal_lengths().map(|focal| (cost(focal), focal)).collect();
+        let costs: Vec<(f64, f64)> = focal_costs(&homography, width).collect();
         let &(least, focal) = costs.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let [x, y, height] = centre(&homography, focal * width)?;
         let foot = Point::new(x, y);
@@ -67,6 +79,14 @@ impl Viewpoint {
         }
         Some(Self { foot, height, spread: (sum / weights).sqrt().hypot(LEAST_SPREAD) })
     }
+}
+
+/// Focal lengths (widths of the picture), each after how unlikely it is for a homography.
+fn focal_costs(homography: &Matrix3<f64>, width: f64) -> impl Iterator<Item = (f64, f64)> {
+    focal_lengths().map(move |focal| {
+        let unusual = (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD;
+        (misfit(homography, focal * width) + unusual.powi(2), focal)
+    })
 }
 
 /// Focal lengths that cameras have, widths of the picture.
@@ -84,10 +104,15 @@ fn columns(homography: &Matrix3<f64>, focal: f64) -> [Vector3<f64>; 3] {
 
 /// How far the first two columns are from orthogonal and equal, in squared standard deviations.
 fn misfit(homography: &Matrix3<f64>, focal: f64) -> f64 {
+    of_columns(homography, focal).iter().map(|value| value * value).sum()
+}
+
+/// The angle and the ratio of lengths of the first two columns, in standard deviations.
+fn of_columns(homography: &Matrix3<f64>, focal: f64) -> [f64; 2] {
     let [a, b, _] = columns(homography, focal);
     let angle = a.dot(&b) / (a.norm() * b.norm()).max(1e-12);
     let ratio = (a.norm() / b.norm().max(1e-12)).ln();
-    (angle / COLUMN_NOISE).powi(2) + (ratio / COLUMN_NOISE).powi(2)
+    [angle / COLUMN_NOISE, ratio / COLUMN_NOISE]
 }
 
 /// The camera's centre in the arena frame.
