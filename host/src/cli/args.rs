@@ -46,7 +46,7 @@ pub(crate) enum Command {
     Info(PortArgs),
     /// Show a robot's numbers (lengths, limits, gains), or change them.
     Params(ParamsArgs),
-    /// Find out what a robot's lengths really are.
+    /// Find out what a robot's lengths really are, or where a camera stands.
     #[command(subcommand)]
     Calibrate(CalibrateCommand),
     /// Stop the robot behind a port; it stays stopped until it is told to drive.
@@ -323,6 +323,42 @@ pub(crate) struct ParamsArgs {
 pub(crate) enum CalibrateCommand {
     /// Wheel radius, wheel ratio and track, from courses driven and measured (UMBmark).
     Base(CalibrateBaseArgs),
+    /// A camera's lens, height and place, from pictures of the arena: the file for --camera.
+    ///
+    /// Wherever boxes lean away from the camera, detect needs to know where it stands. A border seen from
+    /// straight above tells where, but not how high: measure the height of the lens above the floor and
+    /// give --height, or give the focal length.
+    Camera(CalibrateCameraArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateCameraArgs {
+    /// Pictures of the arena, PNG or JPEG, all by the fixed camera; more of them make it surer.
+    #[arg(required = true, value_name = "PHOTO")]
+    pub(crate) photos: Vec<PathBuf>,
+    /// Pictures of the same arena by a second fixed camera; the file is then for detect PHOTO PHOTO_B.
+    #[arg(long, num_args = 1.., value_name = "PHOTO")]
+    pub(crate) second: Vec<PathBuf>,
+    /// Pictures of the arena by the same camera, at the same zoom and focus, from other places, tilted by
+    /// 10 to 25 degrees: they tell the focal length.
+    #[arg(long, num_args = 1.., value_name = "PHOTO", conflicts_with = "second")]
+    pub(crate) elsewhere: Vec<PathBuf>,
+    /// Inner size of the arena, such as 1.6x2.0.
+    #[arg(long, value_parser = quantity::arena, value_name = "WxH")]
+    pub(crate) arena: Arena,
+    /// Height of the lens above the floor, to a centimetre; of two cameras two heights: 3.08,3.1.
+    #[arg(long, value_parser = quantity::height, value_delimiter = ',', value_name = "M[,M]")]
+    pub(crate) height: Vec<f64>,
+    /// Focal length in pixels of these pictures, to half a percent; of two cameras two.
+    #[arg(long, value_parser = quantity::focal, value_delimiter = ',', value_name = "PX[,PX]")]
+    pub(crate) focal: Vec<f64>,
+    /// Where the floor's corners are, if they are not found: four pixels from the lower left
+    /// counter-clockwise, "x,y x,y x,y x,y", to a pixel. For a second camera give it again.
+    #[arg(long, value_parser = quantity::pixels, allow_hyphen_values = true, value_name = "CORNERS")]
+    pub(crate) corners: Vec<[[f64; 2]; 4]>,
+    /// Write the camera to this file, for --camera.
+    #[arg(short, long, alias = "output", value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

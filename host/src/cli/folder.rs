@@ -102,10 +102,32 @@ impl Folder {
     }
 }
 
+/// Puts a file in the place of another, whole or not at all, whenever this program may be killed.
+///
+/// What is no file, such as a pipe, is written to.
+pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    // A link stays one: what it leads to is replaced.
+    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if path.exists() && !path.is_file() {
+        return write_file(path, bytes);
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.new", std::process::id()));
+    let new = path.with_file_name(name);
+    let replaced = std::fs::write(&new, bytes).and_then(|()| std::fs::rename(&new, path));
+    replaced.map_err(|error| {
+        // Not there is as good as removed.
+        let _ = std::fs::remove_file(&new);
+        write_error(path, &error)
+    })
+}
+
 /// Writes a file whole.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    std::fs::write(path, bytes).map_err(|error| {
-        let message = format!("{}: {error}", path.display());
-        CliError::new(Exit::File, "file.write", message, "choose another place")
-    })
+    std::fs::write(path, bytes).map_err(|error| write_error(path, &error))
+}
+
+fn write_error(path: &Path, error: &std::io::Error) -> CliError {
+    let message = format!("{}: {error}", path.display());
+    CliError::new(Exit::File, "file.write", message, "choose another place")
 }

@@ -6,6 +6,7 @@
 
 mod args;
 mod calibrate;
+mod calibrate_camera;
 mod demo;
 mod detect;
 mod detect_pair;
@@ -52,6 +53,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Info(args) => ports::info(args, output),
         Command::Params(args) => params::run(args, output),
         Command::Calibrate(CalibrateCommand::Base(args)) => calibrate::base(args, output),
+        Command::Calibrate(CalibrateCommand::Camera(args)) => calibrate_camera::run(args, output),
         Command::Stop(args) => ports::stop(args, output),
     };
     match result {

@@ -28,6 +28,19 @@ pub(crate) fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A camera's height above the floor, metres: 0.1 to 200.
+pub(crate) fn height(text: &str) -> Result<f64, String> {
+    let value = length(text).ok().filter(|value| (0.1..=200.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no height of a camera; write 0.1 to 200 metres"))
+}
+
+/// A focal length in pixels: 10 to a million.
+pub(crate) fn focal(text: &str) -> Result<f64, String> {
+    let value = finite(text).filter(|value| (10.0..=1e6).contains(value));
+    value
+        .ok_or_else(|| format!("{text:?} is no focal length; write pixels of the photo, 10 to 1e6"))
+}
+
 /// An angle in radians from `90`, `90deg` or `1.57rad`.
 pub(crate) fn angle(text: &str) -> Result<f64, String> {
     scaled(text, &ANGLES, ANGLES[0].1)
@@ -100,15 +113,19 @@ pub(crate) fn corners(text: &str) -> Result<CornersWord, String> {
         "round" => return Ok(CornersWord::Grown(Corners::Round)),
         _ => {}
     }
+    pixels(text).map(CornersWord::InPhoto).map_err(|why| format!("{why}, or square or round"))
+}
+
+/// Four corners from `x,y x,y x,y x,y`, pixels.
+pub(crate) fn pixels(text: &str) -> Result<[[f64; 2]; 4], String> {
     let corner = |pair: &str| {
         let (x, y) = pair.split_once(',')?;
         Some([finite(x)?, finite(y)?])
     };
     let corners: Option<Vec<_>> = text.split_whitespace().map(corner).collect();
-    corners
-        .and_then(|corners| corners.try_into().ok())
-        .map(CornersWord::InPhoto)
-        .ok_or_else(|| format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise, or square or round"))
+    corners.and_then(|corners| corners.try_into().ok()).ok_or_else(|| {
+        format!("{text:?} are no corners; write four pixels \"x,y x,y x,y x,y\" from the lower left counter-clockwise")
+    })
 }
 
 fn scaled(text: &str, units: &[Unit], bare: fn(f64) -> f64) -> Option<f64> {

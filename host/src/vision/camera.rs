@@ -39,10 +39,29 @@ pub struct Camera {
     /// The translation of the same, metres.
     #[serde(rename = "t")]
     pub translation: [f64; 3],
+    /// How sure these numbers are, if that is known; else they are taken for exact.
+    #[serde(rename = "sd", default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<CameraSpread>,
 }
 
-/// How far the foot point of a calibrated camera may be off, metres.
+/// How far the foot point of a calibrated camera may be off if it does not say so, metres.
 const CALIBRATED: f64 = 0.02;
+
+/// The standard deviations of a camera's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraSpread {
+    /// Of the focal length, pixels.
+    pub focal: f64,
+    /// Of the principal point's x and y, pixels.
+    pub principal_point: [f64; 2],
+    /// Of the radial coefficient.
+    pub k1: f64,
+    /// Of the lens's place in the arena frame, metres.
+    pub position: [f64; 3],
+}
+
+/// A height that is less sure than this share of it is no better than what a picture shows of the robot.
+const SURE_HEIGHT: f64 = 0.03;
 
 impl Camera {
     /// The map from floor to photo that this camera makes.
@@ -77,7 +96,14 @@ impl Camera {
         let centre = -(self.turn().transpose() * Vector3::from(self.translation));
         let perspective = self.model == CameraModel::Perspective;
         let foot = Point::new(centre.x, centre.y);
-        perspective.then_some(Viewpoint { foot, height: centre.z, spread: CALIBRATED })
+        let spread = self.spread.map_or(CALIBRATED, |of| of.position[0].hypot(of.position[1]));
+        perspective.then_some(Viewpoint { foot, height: centre.z, spread })
+    }
+
+    /// Whether the camera's height is known, not just guessed from the border.
+    pub(crate) fn knows_height(&self) -> bool {
+        let height = self.viewpoint().map_or(f64::INFINITY, |view| view.height);
+        self.spread.is_none_or(|spread| spread.position[2] < SURE_HEIGHT * height)
     }
 
     fn turn(&self) -> Matrix3<f64> {
@@ -115,6 +141,7 @@ mod tests {
             k1: 0.0,
             rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
             translation: [-1.0, 0.5, 2.0],
+            spread: None,
         }
     }
 
@@ -129,6 +156,22 @@ mod tests {
         let flat = overhead(CameraModel::Orthographic, 200.0);
         let [x, _] = flat.plan_map(&photo).unwrap().to_photo(Point::new(1.2, 0.6));
         assert!((x - (319.5 + 40.0)).abs() < 1e-9 && flat.viewpoint().is_none());
+    }
+
+    #[test]
+    fn a_height_is_known_unless_it_is_said_to_be_unsure() {
+        let sure = overhead(CameraModel::Perspective, 600.0);
+        let spread = |height: f64| {
+            Some(CameraSpread {
+                focal: 1.0,
+                principal_point: [6.0; 2],
+                k1: 0.01,
+                position: [0.0, 0.0, height],
+            })
+        };
+        assert!(sure.knows_height());
+        assert!(Camera { spread: spread(0.01), ..sure.clone() }.knows_height());
+        assert!(!Camera { spread: spread(0.5), ..sure }.knows_height());
     }
 
     #[test]

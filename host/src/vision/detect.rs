@@ -1,6 +1,7 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
 use super::arena;
+use super::border_light;
 use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
@@ -41,6 +42,9 @@ const BORDER_BLUR: f64 = 1.5;
 /// How much larger than the robot's top the disc is that is taken out of the mask.
 const ROBOT_RIM: f64 = 1.15;
 
+/// Of light's greatest change near the border, the least share at the place where a camera has it. Where low walls hide
+/// or shade the border it falls to 0.28; 12 pixels beside it is mostly below 0.1.
+const LEAST_SEEN: f64 = 0.25;
 /// A border that fits worse than this many pixels is worth a warning.
 const ROUGH_BORDER: f64 = 0.8;
 
@@ -170,7 +174,7 @@ pub fn detect(
         let lean = viewpoint.filter(|_| leans).map(|view| {
             let guess = robot_lean(view, options, seen);
             let shown = || robot::shown_lean(photo, &map, top, view.foot, options.robot_radius);
-            let lean = if options.camera.is_some() { None } else { shown() };
+            let lean = if knows_height(options) { None } else { shown() };
             (view.foot, lean.unwrap_or(guess))
         });
         Pose {
@@ -214,7 +218,10 @@ fn locate(
     let small = photo.reduced(photo.overview_factor());
     check_overview(&small)?;
     if let Some(camera) = &options.camera {
-        return Ok((camera.plan_map(photo)?, 1.0));
+        let map = camera.plan_map(photo)?;
+        let seen = border_seen(photo, &map, arena);
+        warnings.extend(moved_camera(seen));
+        return Ok((map, if seen < LEAST_SEEN { seen } else { 1.0 }));
     }
     if let Some(corners) = options.corners {
         return Ok((given(photo, arena, corners)?, 1.0));
@@ -228,7 +235,11 @@ fn locate(
 /// by that guess and by the disc's size together.
 fn robot_lean(view: Viewpoint, options: &DetectOptions, seen: f64) -> f64 {
     let by_height = view.height / (view.height - options.robot_height).max(1e-3);
-    if options.camera.is_some() { by_height } else { (by_height + seen.clamp(1.0, 1.06)) / 2.0 }
+    if knows_height(options) { by_height } else { (by_height + seen.clamp(1.0, 1.06)) / 2.0 }
+}
+
+fn knows_height(options: &DetectOptions) -> bool {
+    options.camera.as_ref().is_some_and(Camera::knows_height)
 }
 
 /// The floor point under what appears at `point` on the robot's top.
@@ -252,6 +263,19 @@ fn hard_floor(spread: f32, shadow: Option<f32>) -> Option<String> {
     })
 }
 
+/// How clearly the border is seen where a map has it, 0 to 1: on all sides but the least clear one.
+fn border_seen(photo: &Photo, map: &PlanMap, arena: Arena) -> f64 {
+    let mut shown = border_light::shown(photo, map, arena);
+    shown.sort_by(f64::total_cmp);
+    shown[1]
+}
+
+/// What to say about a border that is seen so clearly where the camera has it.
+fn moved_camera(seen: f64) -> Option<String> {
+    let warning = "the border is not seen where the camera file has it: the camera may have moved; calibrate it again";
+    (seen < LEAST_SEEN).then(|| warning.into())
+}
+
 /// What to say about a border that fits badly.
 fn rough_border(residual: f64) -> Option<String> {
     let advice = "straighten the tape or give --corners";
@@ -261,17 +285,27 @@ fn rough_border(residual: f64) -> Option<String> {
 
 /// Whether arena and robot are possible.
 pub(crate) fn check(arena: Arena, radius: f64) -> Result<(), VisionError> {
+    check_arena(arena)?;
+    let fits = radius > 0.0 && radius < arena.width.min(arena.height) / 2.0;
+    if fits { Ok(()) } else { Err(VisionError::RobotRadius(radius)) }
+}
+
+/// Whether an arena of that size is possible.
+pub(crate) fn check_arena(arena: Arena) -> Result<(), VisionError> {
     let Arena { width, height } = arena;
     let possible = |length: f64| (0.1..=100.0).contains(&length);
     if !possible(width) || !possible(height) || width > 10.0 * height || height > 10.0 * width {
         return Err(VisionError::ArenaSize(arena));
     }
-    let fits = radius > 0.0 && radius < width.min(height) / 2.0;
-    if fits { Ok(()) } else { Err(VisionError::RobotRadius(radius)) }
+    Ok(())
 }
 
 /// The map of corners that the user gave.
-fn given(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Result<PlanMap, VisionError> {
+pub(crate) fn given(
+    photo: &Photo,
+    arena: Arena,
+    corners: [[f64; 2]; 4],
+) -> Result<PlanMap, VisionError> {
     let turn = |i: usize| {
         let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
         (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])

@@ -117,6 +117,60 @@ pub enum VisionError {
         /// Where the corner would be.
         pixel: [f64; 2],
     },
+    /// Pictures by one camera have one size.
+    #[error("photo {photo} has {} x {} pixels, the first has {} x {}; calibrate with photos by one camera at one setting", .other[0], .other[1], .first[0], .first[1])]
+    Sizes {
+        /// Width and height of the first photo.
+        first: [usize; 2],
+        /// Which photo differs, counted from 1.
+        photo: usize,
+        /// Its width and height.
+        other: [usize; 2],
+    },
+    /// Pictures from one place that do not show the arena at one place.
+    #[error("the camera moved between photos {} and {}, or the border was mistaken in one: they show corner {corner} {shift:.1} pixels apart, at most {allowed:.1} is expected; leave one out, or take them anew with the camera fixed", .photos[0], .photos[1])]
+    Moved {
+        /// The photos that differ most, counted from 1.
+        photos: [usize; 2],
+        /// 0 lower left, 1 lower right, 2 upper right, 3 upper left.
+        corner: usize,
+        /// How far apart the corner appears, pixels.
+        shift: f64,
+        /// The greatest distance, pixels.
+        allowed: f64,
+    },
+    /// A height of the camera at which no picture looks like this one.
+    #[error(
+        "from {given} m above the floor the border would look otherwise: it shows a camera {measured:.2} m above, give or take {spread:.2} m; measure straight up from the floor to the lens, check --arena, or tell by --corners where the border is"
+    )]
+    KnownHeight {
+        /// The height given, metres.
+        given: f64,
+        /// The height without it, metres.
+        measured: f64,
+        /// Its standard deviation, metres.
+        spread: f64,
+    },
+    /// A focal length with which no picture looks like this one.
+    #[error(
+        "with a focal length of {given:.0} pixels the border would look otherwise: it shows {measured:.0}, give or take {spread:.0}; give the focal length in pixels of these photos, or tell by --corners where the border is"
+    )]
+    KnownFocal {
+        /// The focal length given, pixels.
+        given: f64,
+        /// The focal length without it, pixels.
+        measured: f64,
+        /// Its standard deviation, pixels.
+        spread: f64,
+    },
+    /// A focal length that no lens has.
+    #[error("such a camera would have a focal length of {widths:.2} widths of the photo, lenses have {} to {}; check --height, --focal and --arena", .range[0], .range[1])]
+    OddFocal {
+        /// The focal length, widths of the photo.
+        widths: f64,
+        /// What lenses have.
+        range: [f64; 2],
+    },
     /// Two pictures from which no heights can be told.
     #[error(
         "the two photos show no heights ({reason}); give two photos of one arena by two cameras apart, and their camera file"

@@ -20,9 +20,11 @@
 mod align;
 mod arena;
 mod border;
+mod border_light;
 mod boxes;
 mod brightness_view;
 mod camera;
+mod camera_fit;
 mod candidates;
 mod detect;
 mod disc;
@@ -58,7 +60,8 @@ mod stereo;
 mod viewpoint;
 
 pub use brightness_view::brightness_view;
-pub use camera::{Camera, CameraModel};
+pub use camera::{Camera, CameraModel, CameraSpread};
+pub use camera_fit::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use detect::{DetectOptions, Detection, Method, Steps, detect};
 pub use edges::{average_filter, edge_magnitude, histogram_mean, invert, threshold};
 pub use error::VisionError;

@@ -20,6 +20,7 @@ fn camera(x: f64, y: f64) -> Camera {
         k1: -0.03,
         rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
         translation: [-x, y, 2.5],
+        spread: None,
     }
 }
 
