@@ -240,8 +240,11 @@ impl Search<'_> {
             gain -= SIDE_CHARGE * cells * (1.0 - self.side_clarity(&faces, side, length));
         }
         self.each_shaded(seen, |index| {
-            let (shade, cost) = (self.evidence.shade.cells()[index], cost.cells()[index]);
-            let saved = if shade > 0.0 { cost.min(SHADOW_DOUBT) } else { LIT_CHARGE * shade };
+            let shade = self.evidence.shade.cells()[index];
+            // What is no floor even in shadow is not explained by a shadow.
+            let left = cost.cells()[index] - self.evidence.background.cells()[index];
+            let saved =
+                if shade > 0.0 { left.clamp(0.0, SHADOW_DOUBT) } else { LIT_CHARGE * shade };
             gain += self.evidence.weight.cells()[index] * saved;
         });
         gain
