@@ -31,6 +31,8 @@ const SHADOW_DOUBT: f32 = 0.35;
 const LIT_CHARGE: f32 = 0.35;
 /// What a cell of a side costs that cannot be told from the top.
 const SIDE_CHARGE: f32 = 0.35;
+/// What a box costs when whole explanations are compared, in least gains.
+const BOX_CHARGE: f32 = 8.0;
 /// A box gains at least what this many square metres of unexplained cells cost.
 const LEAST_AREA: f64 = 0.0010;
 /// A box is at least this wide, metres.
@@ -92,11 +94,26 @@ impl Search<'_> {
     pub(super) fn unexplained(&self) -> Raster<f32> {
         let mut cost = self.evidence.background.clone();
         if self.lamp.is_some() {
-            for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
-                *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
-            }
+            self.doubt_shadow(&mut cost);
         }
         cost
+    }
+
+    /// Raises the cost of shadow that nothing is known to cast.
+    fn doubt_shadow(&self, cost: &mut Raster<f32>) {
+        for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
+            *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
+        }
+    }
+
+    /// What boxes and the lamp leave unexplained, in cells, with a charge for every box.
+    pub(crate) fn left_over(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.evidence.background.clone();
+        self.doubt_shadow(&mut cost);
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let weighted = cost.cells().iter().zip(self.evidence.weight.cells());
+        let left: f32 = weighted.map(|(cost, weight)| cost * weight).sum();
+        left + found.len() as f32 * BOX_CHARGE * self.least_gain() as f32
     }
 
     /// The share of the shadow that neither lies in the outline of a box nor is cast by one.

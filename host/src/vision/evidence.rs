@@ -66,8 +66,6 @@ impl Evidence {
             COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale);
         let frame = PlanFrame { scale, ..look.frame };
         let features = plan_view(photo, map, &frame).map(feature);
-        let judged = judge(&frame, &features, look);
-        let background = background(&frame, &features, &judged, look, robot, shadows);
         let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
             let point = frame.point(column as f64, row as f64);
             let of_robot =
@@ -80,21 +78,26 @@ impl Evidence {
                 None => 1.0,
             }
         });
-        let shade = shade(&frame, &judged, robot);
-        Self { frame, features, background, weight, shade }
+        Self::judged(frame, (features, weight), look, robot, shadows)
     }
 
-    /// The same if nothing but the robot casts shadows.
-    pub(crate) fn without_shadows(&self, look: &Look, robot: Option<RobotTop>) -> Self {
-        let judged = judge(&self.frame, &self.features, look);
-        let background = background(&self.frame, &self.features, &judged, look, robot, false);
-        Self {
-            frame: self.frame,
-            features: self.features.clone(),
-            background,
-            weight: self.weight.clone(),
-            shade: self.shade.clone(),
-        }
+    /// The same of another look at the picture.
+    pub(crate) fn anew(&self, look: &Look, robot: Option<RobotTop>, shadows: bool) -> Self {
+        let seen = (self.features.clone(), self.weight.clone());
+        Self::judged(self.frame, seen, look, robot, shadows)
+    }
+
+    fn judged(
+        frame: PlanFrame,
+        (features, weight): (Raster<Feature>, Raster<f32>),
+        look: &Look,
+        robot: Option<RobotTop>,
+        shadows: bool,
+    ) -> Self {
+        let judged = judge(&frame, &features, look);
+        let background = background(&frame, &features, &judged, look, robot, shadows);
+        let shade = shade(&frame, &judged, robot);
+        Self { frame, features, background, weight, shade }
     }
 
     /// The floor point of a cell by its index.

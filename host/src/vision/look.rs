@@ -7,7 +7,7 @@ use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, view_of};
 use super::raster::Raster;
-use super::shadow::{self, Residuals};
+use super::shadow::{self, Residuals, Shadow};
 use crate::geometry::{Arena, Point};
 
 /// The plan view is no finer than this, cells along the longer side.
@@ -26,6 +26,7 @@ pub(crate) const SURE: f32 = 2.5;
 pub(crate) const FOREIGN: f32 = 6.0;
 
 /// A plan view's colours and the floor's.
+#[derive(Clone)]
 pub(crate) struct Look {
     /// The plan view with all that may hide parts of the arena.
     pub(crate) frame: PlanFrame,
@@ -33,11 +34,14 @@ pub(crate) struct Look {
     pub(crate) view: PlanFrame,
     pub(crate) features: Raster<Feature>,
     pub(crate) floor: FloorModel,
+    /// What shadow may look like, likeliest first; the floor's is one of them.
+    pub(crate) shadows: Vec<Shadow>,
     /// Unknown if only the robot is looked for.
     bright: Option<Bright>,
 }
 
 /// Where bright floor was found, by coarse cells.
+#[derive(Clone)]
 struct Bright {
     coarse: Coarse,
     cells: Raster<bool>,
@@ -48,7 +52,8 @@ impl Look {
     pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
         let mut look = Self::of(photo, map, arena, f64::INFINITY, 1)?;
         let coarse = Coarse::of(&look.view, &look.features, &look.floor);
-        look.floor.shadow = shadow::find(&look.floor, &coarse.view);
+        look.shadows = shadow::find(&look.floor, &coarse.view);
+        look.floor.shadow = look.shadows.first().copied();
         let cells = shadow::highlights(&look.floor, &coarse.view, SURE);
         Some(Self { bright: Some(Bright { coarse, cells }), ..look })
     }
@@ -69,7 +74,14 @@ impl Look {
         let view = PlanFrame { margin: VIEW_MARGIN.min(frame.margin), ..frame };
         let features = view_of(photo, map, &view, feature);
         let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
-        Some(Self { frame, view, features, floor, bright: None })
+        Some(Self { frame, view, features, floor, shadows: Vec::new(), bright: None })
+    }
+
+    /// The same with another reading of shadow.
+    pub(crate) fn with_shadow(&self, shadow: Shadow) -> Self {
+        let mut look = self.clone();
+        look.floor.shadow = Some(shadow);
+        look
     }
 
     /// Whether the centre of a cell lies on the arena.
@@ -103,6 +115,7 @@ impl Look {
 }
 
 /// The view of the arena alone, each cell the mean of several.
+#[derive(Clone)]
 struct Coarse {
     view: Residuals,
     /// The first column and row of the arena, and the cells on each side of a coarse cell.

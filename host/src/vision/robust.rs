@@ -26,6 +26,9 @@ const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
 const MOST_LEFT: f32 = 0.25;
 
+/// Another reading of shadow is taken if it leaves less than this share unexplained.
+const CLEARLY: f32 = 0.9;
+
 /// The boxes of a picture.
 pub(crate) struct Found {
     pub(crate) boxes: Vec<Bounded>,
@@ -51,10 +54,23 @@ pub(crate) fn find(
     let picture = Picture { photo, map, look, robot, viewpoint };
     let evidence = Evidence::of(photo, map, look, robot, true);
     let first = picture.explain(&evidence);
+    let mut best = (picture.left_over(&first, &evidence), look.clone(), evidence, first);
+    for &shadow in look.shadows.iter().skip(1) {
+        let other = look.with_shadow(shadow);
+        let picture = Picture { look: &other, ..picture };
+        let evidence = best.2.anew(&other, robot, true);
+        let scene = picture.explain(&evidence);
+        let left = picture.left_over(&scene, &evidence);
+        if scene.lamp.is_some() && left < CLEARLY * best.0 {
+            best = (left, other, evidence, scene);
+        }
+    }
+    let (_, look, evidence, first) = best;
+    let picture = Picture { look: &look, ..picture };
     if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
         return picture.finish(first);
     }
-    let dark = picture.explain(&evidence.without_shadows(look, robot));
+    let dark = picture.explain(&evidence.anew(&look, robot, false));
     let lit = dark.lamp.and_then(|lamp| picture.lit(&evidence, lamp, &dark.boxes));
     picture.finish(lit.unwrap_or(dark))
 }
@@ -74,6 +90,7 @@ struct Scene {
 }
 
 /// A picture and what is known of it before boxes are sought.
+#[derive(Clone, Copy)]
 struct Picture<'a> {
     photo: &'a Photo,
     map: &'a PlanMap,
@@ -104,6 +121,11 @@ impl Picture<'_> {
         let any = !(flat.is_empty() && leaning.is_empty());
         let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
         Scene { boxes, foot, lamp, leans: any.then_some(leans) }
+    }
+
+    /// What an explanation leaves unexplained, in cells.
+    fn left_over(&self, scene: &Scene, evidence: &Evidence) -> f32 {
+        Search { evidence, foot: scene.foot, lamp: scene.lamp }.left_over(&scene.boxes)
     }
 
     /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.

@@ -28,6 +28,11 @@ const BORDER_BLUR: f64 = 0.015;
 const LEAST_PATCH: f64 = 0.0012;
 /// Cells that tell the chroma.
 const LEAST_CELLS: usize = 12;
+/// So many readings of shadow are returned, whose depths differ by this natural logarithm and whose score is
+/// this share of the best.
+const MOST_SHADOWS: usize = 2;
+const OTHER_DEPTH: f32 = 0.3;
+const MOST_BEHIND: f32 = 0.3;
 /// Neighbouring cells of a highlight differ by at most this (brightness, chroma, chroma).
 const SMOOTH: Feature = [0.035, 0.03, 0.03];
 
@@ -48,9 +53,15 @@ impl Shadow {
         let share = depth / self.offset[0];
         [depth, share * self.offset[1], share * self.offset[2]]
     }
+
+    /// Whether another shadow is clearly deeper or less deep.
+    fn differs(&self, other: &Self) -> bool {
+        (self.offset[0] / other.offset[0]).ln().abs() > OTHER_DEPTH
+    }
 }
 
 /// A coarse view of the floor: where each cell lies and its residual from the floor's model.
+#[derive(Clone)]
 pub(crate) struct Residuals {
     pub(crate) points: Vec<Point>,
     /// Cells per metre.
@@ -58,11 +69,11 @@ pub(crate) struct Residuals {
     pub(crate) residuals: Raster<Feature>,
 }
 
-/// How shadow looks, if there is any.
-pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Option<Shadow> {
+/// What shadow may look like, likeliest first; none if there is no shadow.
+pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Vec<Shadow> {
     let lit: Vec<f32> = view.points.iter().map(|&point| floor.lit(point)[0]).collect();
     let mean = median(&mut lit.clone());
-    let mut best: Option<(f32, Shadow)> = None;
+    let mut tried: Vec<(f32, Shadow)> = Vec::new();
     let inside: Vec<bool> =
         view.points.iter().map(|&point| floor.inside(point) > BORDER_BLUR).collect();
     let shallowest = -DEPTH_STEP * DEPTHS.start as f32;
@@ -81,12 +92,20 @@ pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Option<Shadow> {
             let Some(shadow) = turned(&dark, floor, depth, even) else { continue };
             let usual = ((-depth / USUAL_DEPTH).ln() / DEPTH_SPREAD).powi(2) / 2.0;
             let score = patches(view, floor, shadow, &lit, &inside) * (-usual).exp();
-            if score > best.map_or(0.0, |(most, _)| most) {
-                best = Some((score, shadow));
+            if score > 0.0 {
+                tried.push((score, shadow));
             }
         }
     }
-    best.map(|(_, shadow)| shadow)
+    tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let least = MOST_BEHIND * tried.first().map_or(0.0, |best| best.0);
+    let mut found: Vec<Shadow> = Vec::new();
+    for (_, shadow) in tried.into_iter().filter(|(score, _)| *score >= least) {
+        if found.len() < MOST_SHADOWS && found.iter().all(|other| shadow.differs(other)) {
+            found.push(shadow);
+        }
+    }
+    found
 }
 
 /// How far the brightness of cells that tell the chroma of a depth may lie from it.
@@ -231,7 +250,7 @@ mod tests {
                 _ => [0.0; 3],
             }
         });
-        let shadow = find(&floor, &view).unwrap();
+        let shadow = find(&floor, &view)[0];
         let offset = shadow.at([-0.5, 0.0, 0.0]);
         // The true depth lies within what counts as this shadow.
         assert!((offset[0] + 0.6).abs() < DEPTH_TOLERANCE * 0.6, "{shadow:?}");
@@ -241,7 +260,7 @@ mod tests {
     #[test]
     fn a_plain_floor_has_no_shadow() {
         let (floor, view) = view(|_| [0.0; 3]);
-        assert_eq!(find(&floor, &view), None);
+        assert_eq!(find(&floor, &view), []);
     }
 
     #[test]
