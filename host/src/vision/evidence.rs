@@ -5,9 +5,9 @@
 //! side is the median along that side, so that a box that leans over the border is seen against it.
 
 use super::floor::Difference;
-use super::floor::{Feature, feature, median};
+use super::floor::{Feature, FloorModel, feature, median};
 use super::leaning::LeaningBox;
-use super::look::{FOREIGN, Look, SURE};
+use super::look::{FOREIGN, Look, SURE, samples};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::plan_view::{PlanFrame, plan_view};
@@ -50,6 +50,8 @@ pub(crate) struct Evidence {
     pub(crate) weight: Raster<f32>,
     /// How surely a cell is floor in shadow (up to 1) or lit floor (down to −1); 0 if it is neither.
     pub(crate) shade: Raster<f32>,
+    /// The spread of the floor's colours in cells of this size.
+    spread: Feature,
 }
 
 impl Evidence {
@@ -78,26 +80,30 @@ impl Evidence {
                 None => 1.0,
             }
         });
-        Self::judged(frame, (features, weight), look, robot, shadows)
+        let spread = look.floor.spread_of(&samples(&frame, &features, 1));
+        Self::judged(frame, (features, weight, spread), look, robot, shadows)
     }
 
     /// The same of another look at the picture.
     pub(crate) fn anew(&self, look: &Look, robot: Option<RobotTop>, shadows: bool) -> Self {
-        let seen = (self.features.clone(), self.weight.clone());
+        let seen = (self.features.clone(), self.weight.clone(), self.spread);
         Self::judged(self.frame, seen, look, robot, shadows)
     }
 
     fn judged(
         frame: PlanFrame,
-        (features, weight): (Raster<Feature>, Raster<f32>),
+        (features, weight, spread): (Raster<Feature>, Raster<f32>, Feature),
         look: &Look,
         robot: Option<RobotTop>,
         shadows: bool,
     ) -> Self {
-        let judged = judge(&frame, &features, look);
-        let background = background(&frame, &features, &judged, look, robot, shadows);
+        let floor = look.floor.with_spread(spread);
+        let judged = judge(&frame, &features, &floor, look);
+        let soft = soft_shadow(&frame, &features, &judged, &floor, look.frame.scale);
+        let shadows = shadows.then_some(&soft);
+        let background = background(&frame, &features, &judged, &floor, robot, shadows);
         let shade = shade(&frame, &judged, robot);
-        Self { frame, features, background, weight, shade }
+        Self { frame, features, background, weight, shade, spread }
     }
 
     /// The floor point of a cell by its index.
@@ -152,18 +158,18 @@ impl Evidence {
     }
 }
 
-/// The cost of every cell of being background; without `shadows` nothing but the robot casts any.
+/// The cost of every cell of being background; `shadows` marks their wide rims, and without it nothing but
+/// the robot casts any.
 fn background(
     frame: &PlanFrame,
     features: &Raster<Feature>,
     judged: &Raster<Difference>,
-    look: &Look,
+    floor: &FloorModel,
     robot: Option<RobotTop>,
-    shadows: bool,
+    shadows: Option<&Raster<bool>>,
 ) -> Raster<f32> {
     let borders = border_colours(frame, features);
     let half = half_shadow(frame, judged);
-    let soft = soft_shadow(frame, features, judged, look);
     // Without shadow, what is half dark beside lit floor is the blur of an edge.
     let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
     let lonely = lonely_shadow(frame, judged, robot);
@@ -177,14 +183,16 @@ fn background(
                 let difference = judged.cells()[index];
                 let of_robot =
                     robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
-                let blurred = !(shadows && look.floor.shadow.is_some()) && rim.cells()[index];
+                let blurred = !(shadows.is_some() && floor.shadow.is_some()) && rim.cells()[index];
                 let distance = if lonely.cells()[index] {
                     difference.lit
                 } else if blurred {
-                    look.floor.off_any_shadow(look.floor.residual(point, seen), DEEPEST)
-                } else if of_robot || shadows && (half.cells()[index] || soft.cells()[index]) {
+                    floor.off_any_shadow(floor.residual(point, seen), DEEPEST)
+                } else if of_robot
+                    || shadows.is_some_and(|soft| half.cells()[index] || soft.cells()[index])
+                {
                     difference.floor
-                } else if !shadows {
+                } else if shadows.is_none() {
                     difference.lit
                 } else {
                     difference.lit.min(difference.core)
@@ -200,11 +208,16 @@ fn background(
 }
 
 /// How every cell differs from the floor's colours.
-fn judge(frame: &PlanFrame, features: &Raster<Feature>, look: &Look) -> Raster<Difference> {
+fn judge(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    floor: &FloorModel,
+    look: &Look,
+) -> Raster<Difference> {
     let width = features.width();
     Raster::from_fn(width, features.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
-        let difference = look.floor.difference(point, features.cells()[row * width + column]);
+        let difference = floor.difference(point, features.cells()[row * width + column]);
         if look.is_bright_floor(point) { difference.at_most(1.0) } else { difference }
     })
 }
@@ -221,17 +234,19 @@ fn half_shadow(frame: &PlanFrame, judged: &Raster<Difference>) -> Raster<bool> {
 }
 
 /// The cells that are reached from lit floor by way of cells that darken slowly: the rim of a large lamp's
-/// shadow may be wider than [`HALF_SHADOW`], but the edges of a box are sharp.
+/// shadow may be wider than [`HALF_SHADOW`], but the edges of a box are sharp; `finest` are the photo's
+/// pixels per metre.
 fn soft_shadow(
     frame: &PlanFrame,
     features: &Raster<Feature>,
     judged: &Raster<Difference>,
-    look: &Look,
+    floor: &FloorModel,
+    finest: f64,
 ) -> Raster<bool> {
     let (width, height) = (judged.width(), judged.height());
     let mut reached = judged.map(|difference| difference.lit < SURE);
-    let Some(shadow) = look.floor.shadow else { return reached };
-    let sharpest = LEAST_BLURRED * look.frame.scale as f32;
+    let Some(shadow) = floor.shadow else { return reached };
+    let sharpest = LEAST_BLURRED * finest as f32;
     let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
     let mut open: Vec<usize> =
         (0..judged.cells().len()).filter(|&cell| reached.cells()[cell]).collect();

@@ -96,6 +96,27 @@ impl FloorModel {
         Some(model)
     }
 
+    /// The spread that the floor's grain has in other samples, such as larger cells.
+    pub(crate) fn spread_of(&self, samples: &[(Point, Feature)]) -> Feature {
+        let mut inliers: [Vec<f32>; 3] = Default::default();
+        for &(point, seen) in samples {
+            self.take_inlier(self.residual(point, seen), &mut inliers);
+        }
+        spread(inliers)
+    }
+
+    /// The same with another spread.
+    pub(crate) fn with_spread(&self, spread: Feature) -> Self {
+        Self { spread, ..self.clone() }
+    }
+
+    /// Adds a residual to lists of absolute values if it is the floor's.
+    fn take_inlier(&self, residual: Feature, inliers: &mut [Vec<f32>; 3]) {
+        if self.difference_of(residual).lit < 4.0 {
+            inliers.iter_mut().zip(residual).for_each(|(list, value)| list.push(value.abs()));
+        }
+    }
+
     /// The lit floor's feature at a point.
     pub(crate) fn lit(&self, point: Point) -> Feature {
         let terms = self.monomials(point);
@@ -215,9 +236,7 @@ impl FloorModel {
                     .take(terms)
                     .for_each(|(sum, factor)| *sum += factor * value);
             }
-            if distance < 4.0 {
-                inliers.iter_mut().zip(residual).for_each(|(list, value)| list.push(value.abs()));
-            }
+            self.take_inlier(residual, &mut inliers);
         }
         let mut normal = DMatrix::from_fn(terms, terms, |i, j| products[i][j]);
         for i in 0..terms {
@@ -229,10 +248,13 @@ impl FloorModel {
                 .zip(factor.solve(&DVector::from_column_slice(&right[..terms])).iter())
                 .for_each(|(value, solved)| *value = *solved);
         }
-        for part in 0..3 {
-            self.spread[part] = (1.4826 * median(&mut inliers[part])).max(LEAST_SPREAD[part]);
-        }
+        self.spread = spread(inliers);
     }
+}
+
+/// Standard deviations by the medians of absolute residuals.
+fn spread(mut residuals: [Vec<f32>; 3]) -> Feature {
+    [0, 1, 2].map(|part| (1.4826 * median(&mut residuals[part])).max(LEAST_SPREAD[part]))
 }
 
 /// The centre of the fullest cell of colour space.

@@ -164,7 +164,12 @@ impl Coarse {
 }
 
 /// So many cells of the arena as the floor's model is fitted to, or every `stride`-th of them.
-fn samples(frame: &PlanFrame, features: &Raster<Feature>, stride: usize) -> Vec<(Point, Feature)> {
+/// Cells on the arena, at most so many as a floor model needs.
+pub(crate) fn samples(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    stride: usize,
+) -> Vec<(Point, Feature)> {
     let arena = frame.arena;
     let inside = |value: f64, length: f64| value > 0.0 && value < length;
     let columns: Vec<usize> = (0..features.width())
