@@ -14,7 +14,7 @@ use crate::geometry::{Arena, Point};
 const MOST_CELLS: f64 = 620.0;
 /// How far the plan view reaches beyond the arena, share of the shorter side.
 const MARGIN_SHARE: f64 = 0.12;
-/// How far the colours reach beyond the arena, metres: the robot's top leans over its sides.
+/// How far the colours reach at least beyond the arena, metres: the robot's top leans over its sides.
 const VIEW_MARGIN: f64 = 0.05;
 /// To find the robot a floor model of every so many-th sample is good enough.
 const ROUGH_FLOOR: usize = 3;
@@ -71,7 +71,9 @@ impl Look {
         let scale = map.scale_at(middle).min(most).min(scale);
         let frame =
             PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
-        let view = PlanFrame { margin: VIEW_MARGIN.min(frame.margin), ..frame };
+        // Whole cells are left out, so that those of the view are cells of the frame.
+        let left_out = ((frame.margin - VIEW_MARGIN) * scale).floor().max(0.0) / scale;
+        let view = PlanFrame { margin: frame.margin - left_out, ..frame };
         let features = view_of(photo, map, &view, feature);
         let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
         Some(Self { frame, view, features, floor, shadows: Vec::new(), bright: None })
