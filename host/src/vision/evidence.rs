@@ -258,7 +258,7 @@ fn soft_shadow(
             }
             let next = y as usize * width + x as usize;
             let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
-            let floor = judged.cells()[next].floor < FOREIGN;
+            let floor = judged.cells()[next].floor < SURE;
             let inside = outside(frame.arena, frame.point(x as f64, y as f64)).is_none();
             if !reached.cells()[next] && floor && inside && step < steepest {
                 reached.cells_mut()[next] = true;
