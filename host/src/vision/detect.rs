@@ -6,6 +6,7 @@ use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
 use super::faults::check_overview;
+use super::implausible::lined_sides;
 use super::look::Look;
 use super::paper::{PaperSteps, paper_obstacles, paper_steps};
 use super::photo::Photo;
@@ -45,6 +46,8 @@ const ROBOT_RIM: f64 = 1.15;
 /// Of light's greatest change near the border, the least share at the place where a camera has it. Where low walls hide
 /// or shade the border it falls to 0.28; 12 pixels beside it is mostly below 0.1.
 const LEAST_SEEN: f64 = 0.25;
+/// With strips along so many sides the border that was found is not the floor's.
+const LINED_SIDES: usize = 3;
 /// A border that fits worse than this many pixels is worth a warning.
 const ROUGH_BORDER: f64 = 0.8;
 
@@ -182,6 +185,11 @@ pub fn detect(
             heading: top.heading,
         }
     });
+    let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
+    let sought = options.camera.is_none() && options.corners.is_none();
+    if sought && lined_sides(&rects, arena) >= LINED_SIDES {
+        return Err(VisionError::OddBorder { arena });
+    }
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
     Ok(Detection {

@@ -12,6 +12,9 @@ use crate::geometry::{Arena, Point, Rect};
 
 /// The face of a wall, or its blur, is at most this wide, metres; a gap as narrow leads nowhere.
 const WALL_FACE: f64 = 0.035;
+/// A strip along a side: its width at most, metres, and its length at least, a share of the side.
+const WIDEST_STRIP: f64 = 0.08;
+const STRIP_SHARE: f64 = 0.8;
 /// What lies in a disc of so many radii about the robot's top belongs to it or to its shadow.
 const ROBOT_REACH: f64 = 1.0;
 /// Places along an edge where its step is measured, and half the distance across it: metres, and cells.
@@ -27,6 +30,21 @@ pub(super) fn is_part_of_wall(rect: Rect, arena: Arena) -> bool {
     let thin =
         |low: f64, high: f64, length: f64| high - low < WALL_FACE && (low <= 0.0 || high >= length);
     thin(rect.x0, rect.x1, arena.width) || thin(rect.y0, rect.y1, arena.height)
+}
+
+/// On how many of the arena's sides a narrow strip lies from end to end.
+///
+/// On three or four that is the inner face of the wall: what was taken for its foot is its top.
+pub(super) fn lined_sides(rects: &[Rect], arena: Arena) -> usize {
+    let Arena { width, height } = arena;
+    let long = |from: f64, to: f64, length: f64| to - from > STRIP_SHARE * length;
+    let lines = |side: usize, r: &Rect| match side {
+        0 => r.x0 <= 0.0 && r.x1 < WIDEST_STRIP && long(r.y0, r.y1, height),
+        1 => r.y0 <= 0.0 && r.y1 < WIDEST_STRIP && long(r.x0, r.x1, width),
+        2 => r.x1 >= width && width - r.x0 < WIDEST_STRIP && long(r.y0, r.y1, height),
+        _ => r.y1 >= height && height - r.y0 < WIDEST_STRIP && long(r.x0, r.x1, width),
+    };
+    (0..4).filter(|&side| rects.iter().any(|rect| lines(side, rect))).count()
 }
 
 /// Whether a rectangle has its middle where the robot stands: no box can stand there too.
@@ -72,6 +90,19 @@ mod tests {
         assert!(is_part_of_wall(Rect::new(0.4, 0.98, 0.9, 1.0), arena));
         assert!(!is_part_of_wall(Rect::new(0.0, 0.2, 0.05, 0.9), arena));
         assert!(!is_part_of_wall(Rect::new(0.1, 0.2, 0.13, 0.9), arena));
+    }
+
+    #[test]
+    fn strips_along_the_sides_are_counted_and_a_box_at_a_wall_is_none() {
+        let arena = Arena { width: 2.0, height: 1.0 };
+        let strips = [
+            Rect::new(0.0, 0.05, 0.04, 1.0),
+            Rect::new(0.0, 0.0, 1.95, 0.04),
+            Rect::new(1.96, 0.05, 2.0, 0.95),
+            Rect::new(0.4, 0.95, 1.2, 1.0),
+        ];
+        assert_eq!(lined_sides(&strips, arena), 3);
+        assert_eq!(lined_sides(&strips[3..], arena), 0);
     }
 
     #[test]
