@@ -27,12 +27,10 @@ const RIM_SHARE: f32 = 0.5;
 /// A side this narrow, in cells, may be the blur of an edge.
 const BLURRED_WIDTH: f32 = 1.3;
 /// What a cell of shadow costs that no box casts, and a lit cell where a box would cast shadow.
-const SHADOW_DOUBT: f32 = 0.35;
+pub(super) const SHADOW_DOUBT: f32 = 0.35;
 const LIT_CHARGE: f32 = 0.35;
 /// What a cell of a side costs that cannot be told from the top.
 const SIDE_CHARGE: f32 = 0.35;
-/// What a box costs when whole explanations are compared, in least gains.
-const BOX_CHARGE: f32 = 8.0;
 /// A box gains at least what this many square metres of unexplained cells cost.
 const LEAST_AREA: f64 = 0.0010;
 /// A box is at least this wide, metres.
@@ -90,44 +88,6 @@ impl Search<'_> {
         found
     }
 
-    /// The cost of every cell before any box: what is not floor, and shadow that nothing casts.
-    pub(super) fn unexplained(&self) -> Raster<f32> {
-        let mut cost = self.evidence.background.clone();
-        if self.lamp.is_some() {
-            self.doubt_shadow(&mut cost);
-        }
-        cost
-    }
-
-    /// Raises the cost of shadow that nothing is known to cast.
-    fn doubt_shadow(&self, cost: &mut Raster<f32>) {
-        for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
-            *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
-        }
-    }
-
-    /// What boxes and the lamp leave unexplained, in cells, with a charge for every box.
-    pub(crate) fn left_over(&self, found: &[LeaningBox]) -> f32 {
-        let mut cost = self.evidence.background.clone();
-        self.doubt_shadow(&mut cost);
-        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
-        let weighted = cost.cells().iter().zip(self.evidence.weight.cells());
-        let left: f32 = weighted.map(|(cost, weight)| cost * weight).sum();
-        left + found.len() as f32 * BOX_CHARGE * self.least_gain() as f32
-    }
-
-    /// The share of the shadow that neither lies in the outline of a box nor is cast by one.
-    pub(crate) fn unexplained_shade(&self, found: &[LeaningBox]) -> f32 {
-        let mut cost = self.unexplained();
-        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
-        let (mut left, mut all) = (0.0, 0.0);
-        for (shade, cost) in self.evidence.shade.cells().iter().zip(cost.cells()) {
-            all += shade.max(0.0);
-            left += if *cost < SHADOW_DOUBT * shade { 0.0 } else { shade.max(0.0) };
-        }
-        left / all.max(1.0)
-    }
-
     /// Calls `visit` with the index of every cell that a box puts in shadow.
     fn each_shaded(&self, seen: LeaningBox, mut visit: impl FnMut(usize)) {
         let Some(lamp) = self.lamp else { return };
@@ -142,7 +102,7 @@ impl Search<'_> {
     }
 
     /// What a box must gain.
-    fn least_gain(&self) -> f64 {
+    pub(super) fn least_gain(&self) -> f64 {
         LEAST_AREA * self.evidence.frame.scale * self.evidence.frame.scale
     }
 
@@ -275,17 +235,6 @@ impl Search<'_> {
         wide * (difference(side.colour, faces[Face::Top as usize].colour) / SIDE_CONTRAST).min(1.0)
     }
 
-    /// What boxes explain together.
-    pub(crate) fn explained(&self, found: &[LeaningBox]) -> f32 {
-        let mut cost = self.unexplained();
-        let mut sum = 0.0;
-        for &seen in found {
-            sum += self.gain(seen, &cost) - self.least_gain() as f32;
-            self.explain(&mut cost, seen);
-        }
-        sum
-    }
-
     /// The mean colour and size of each face; cells that are likely background hardly count.
     fn faces(&self, seen: LeaningBox, cost: &Raster<f32>) -> [FaceColour; 3] {
         let mut faces = [FaceColour::default(); 3];
@@ -393,7 +342,8 @@ mod tests {
         });
         let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
         let weight = Raster::filled(width, height, 1.0);
-        Evidence { frame, features, background, weight, shade: Raster::filled(width, height, 0.0) }
+        let shade = Raster::filled(width, height, 0.0);
+        Evidence { frame, features, background, weight, shade, spread: [0.02; 3] }
     }
 
     #[test]

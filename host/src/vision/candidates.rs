@@ -100,7 +100,7 @@ mod tests {
         let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
         let (weight, shade) =
             (Raster::filled(width, height, 1.0), Raster::filled(width, height, 0.0));
-        let evidence = Evidence { frame, features, background, weight, shade };
+        let evidence = Evidence { frame, features, background, weight, shade, spread: [0.02; 3] };
         let search = Search { evidence: &evidence, foot: Some(Point::new(1.0, 0.5)), lamp: None };
         let starts = drawn.map(|base| LeaningBox { base, lean: 1.02 });
         let mut cost = search.unexplained();

@@ -2,18 +2,14 @@
 
 use super::arena;
 use super::border_light;
-use super::brightness_view::brightness_view;
 use super::camera::Camera;
 use super::error::VisionError;
 use super::faults::check_overview;
 use super::implausible::lined_sides;
 use super::look::Look;
-use super::paper::{PaperSteps, paper_obstacles, paper_steps};
+use super::paper_method::{Steps, paper_rectangles, steps};
 use super::photo::Photo;
 use super::plan_map::PlanMap;
-use super::plan_view::{PlanFrame, plan_view};
-use super::raster::Raster;
-use super::rectangles::{CellRect, rectangles};
 use super::robot::{self, RobotTop};
 use super::robust::{self, Found};
 use super::sharpen::Bounded;
@@ -22,9 +18,6 @@ use crate::geometry::{Arena, Point, Pose, Rect};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
 const PAPER_RADIUS: f64 = 0.075;
-/// Cells per metre of the paper's plan view, and the most cells along a side.
-const PAPER_SCALE: f64 = 300.0;
-const PAPER_CELLS: f64 = 1200.0;
 /// The paper's obstacles need no plan view in colour; to find the robot its radius has so many cells.
 const ROBOT_CELLS: f64 = 10.0;
 /// Shadow deeper than this looks like dark boxes, a floor that varies more hides boxes (logarithms).
@@ -34,15 +27,8 @@ const UNEVEN_FLOOR: f32 = 0.04;
 const LEANING_ROBOT: f64 = 1.03;
 /// The height of the robot's top above the floor, metres, if nobody says.
 const USUAL_ROBOT_HEIGHT: f64 = 0.07;
-/// Obstacles are at least this large, metres.
-const LEAST_SIDE: f64 = 0.02;
 /// Nothing is thinner, metres.
 const LEAST_WIDTH: f64 = 0.002;
-/// Cells this close to the border, in cells, are blurred with it.
-const BORDER_BLUR: f64 = 1.5;
-/// How much larger than the robot's top the disc is that is taken out of the mask.
-const ROBOT_RIM: f64 = 1.15;
-
 /// Of light's greatest change near the border, the least share at the place where a camera has it. Where low walls hide
 /// or shade the border it falls to 0.28; 12 pixels beside it is mostly below 0.1.
 const LEAST_SEEN: f64 = 0.25;
@@ -111,17 +97,6 @@ pub struct Detection {
     pub steps: Option<Steps>,
 }
 
-/// The pictures of the steps, in the plan view.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Steps {
-    /// Where the plan view's cells lie.
-    pub frame: PlanFrame,
-    /// The plan view in linear light.
-    pub view: Raster<[f32; 3]>,
-    /// What the paper's steps made of it.
-    pub paper: PaperSteps,
-}
-
 /// Finds the arena, the obstacles and the robot in a photo.
 ///
 /// # Errors
@@ -172,18 +147,8 @@ pub fn detect(
         Method::Robust => robust::find(photo, &map, &look, top, viewpoint),
     };
     let robot = top.map(|top| {
-        let seen = top.radius / options.robot_radius;
-        let leans = found.leans.unwrap_or(seen > LEANING_ROBOT);
-        let lean = viewpoint.filter(|_| leans).map(|view| {
-            let guess = robot_lean(view, options, seen);
-            let shown = || robot::shown_lean(photo, &map, top, view.foot, options.robot_radius);
-            let lean = if knows_height(options) { None } else { shown() };
-            (view.foot, lean.unwrap_or(guess))
-        });
-        Pose {
-            position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
-            heading: top.heading,
-        }
+        let viewpoint = viewpoint.filter(|_| leans(&found, top, options));
+        robot_pose(photo, &map, options, viewpoint, top)
     });
     let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
     let sought = options.camera.is_none() && options.corners.is_none();
@@ -237,6 +202,31 @@ fn locate(
     let border = arena::find(photo, &small, arena)?;
     warnings.extend(rough_border(border.residual));
     Ok((border.map, border.score))
+}
+
+/// Whether what stands on the floor leans: boxes tell, and without any the size of the robot's top.
+fn leans(found: &Found, top: RobotTop, options: &DetectOptions) -> bool {
+    found.leans.unwrap_or(top.radius / options.robot_radius > LEANING_ROBOT)
+}
+
+/// The pose of the robot whose top is seen; with a viewpoint the top appears beside its foot.
+fn robot_pose(
+    photo: &Photo,
+    map: &PlanMap,
+    options: &DetectOptions,
+    viewpoint: Option<Viewpoint>,
+    top: RobotTop,
+) -> Pose {
+    let lean = viewpoint.map(|view| {
+        let guess = robot_lean(view, options, top.radius / options.robot_radius);
+        let shown = || robot::shown_lean(photo, map, top, view.foot, options.robot_radius);
+        let lean = if knows_height(options) { None } else { shown() };
+        (view.foot, lean.unwrap_or(guess))
+    });
+    Pose {
+        position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
+        heading: top.heading,
+    }
 }
 
 /// How much larger the robot's top looks than its base: by the camera's height if that is known, else
@@ -326,60 +316,6 @@ pub(crate) fn given(
         return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
     }
     PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
-}
-
-/// The paper's plan view is no finer than the photo.
-fn paper_frame(map: &PlanMap, arena: Arena) -> PlanFrame {
-    let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
-    let most = PAPER_SCALE.min(PAPER_CELLS / arena.width.max(arena.height));
-    PlanFrame { arena, scale: most.min(map.scale_at(middle)), margin: 0.0 }
-}
-
-fn steps(photo: &Photo, map: &PlanMap, arena: Arena, radius: f64) -> Steps {
-    let frame = paper_frame(map, arena);
-    let view = plan_view(photo, map, &frame);
-    let paper = paper_steps(brightness_view(photo, map, &frame), frame.scale, radius);
-    Steps { frame, view, paper }
-}
-
-/// Obstacles by the paper's mask, to a cell.
-fn paper_rectangles(
-    photo: &Photo,
-    map: &PlanMap,
-    arena: Arena,
-    robot: Option<RobotTop>,
-) -> Vec<Bounded> {
-    let frame = paper_frame(map, arena);
-    let obstacles = paper_obstacles(&brightness_view(photo, map, &frame));
-    let mask = without(&obstacles, &frame, robot);
-    let least = (LEAST_SIDE * frame.scale).max(2.5);
-    let found = rectangles(&mask, least * least);
-    let thick = found
-        .into_iter()
-        .filter(|cells| (cells.x1 - cells.x0).min(cells.y1 - cells.y0) as f64 >= least);
-    let cell = 1.0 / frame.scale;
-    thick.map(|cells| Bounded { rect: metres(&frame, cells), margin: [2.0 * cell; 4] }).collect()
-}
-
-/// The mask without the robot and without the cells that are blurred with the border.
-fn without(mask: &Raster<bool>, frame: &PlanFrame, robot: Option<RobotTop>) -> Raster<bool> {
-    let blur = BORDER_BLUR / frame.scale;
-    Raster::from_fn(mask.width(), mask.height(), |column, row| {
-        let point = frame.point(column as f64, row as f64);
-        let inside = point.x > blur
-            && point.y > blur
-            && point.x < frame.arena.width - blur
-            && point.y < frame.arena.height - blur;
-        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-        inside && !of_robot && mask.get(column as i64, row as i64) == Some(true)
-    })
-}
-
-fn metres(frame: &PlanFrame, cells: CellRect) -> Rect {
-    let corner = |column: usize, row: usize| frame.point(column as f64 - 0.5, row as f64 - 0.5);
-    let (upper_left, lower_right): (Point, Point) =
-        (corner(cells.x0, cells.y0), corner(cells.x1, cells.y1));
-    Rect::new(upper_left.x, lower_right.y, lower_right.x, upper_left.y)
 }
 
 #[cfg(test)]

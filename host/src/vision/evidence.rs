@@ -51,7 +51,7 @@ pub(crate) struct Evidence {
     /// How surely a cell is floor in shadow (up to 1) or lit floor (down to −1); 0 if it is neither.
     pub(crate) shade: Raster<f32>,
     /// The spread of the floor's colours in cells of this size.
-    spread: Feature,
+    pub(crate) spread: Feature,
 }
 
 impl Evidence {

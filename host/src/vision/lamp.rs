@@ -265,6 +265,7 @@ mod tests {
             background: Raster::filled(width, height, 0.0),
             weight: Raster::filled(width, height, 1.0),
             shade,
+            spread: [0.02; 3],
         };
         let leans: Vec<Option<f64>> = vec![Some(1.10), None, Some(1.14)];
         let lamp = Lamp::of(&evidence, &boxes, &leans, camera, 3.0).unwrap();

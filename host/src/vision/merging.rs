@@ -121,7 +121,7 @@ mod tests {
         let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
         let weight = Raster::filled(width, height, 1.0);
         let shade = Raster::filled(width, height, 0.0);
-        let evidence = Evidence { frame, features, background, weight, shade };
+        let evidence = Evidence { frame, features, background, weight, shade, spread: [0.02; 3] };
         let rects: Vec<Rect> = drawn.iter().map(|(rect, _)| *rect).collect();
         let search = Search { evidence: &evidence, foot: None, lamp: None };
         search.run(&rects).into_iter().map(|seen| seen.base).collect()

@@ -1,0 +1,61 @@
+//! What boxes and a lamp explain of a picture together, and what they leave.
+//!
+//! All in cells of the evidence: a cell that is surely no background and that nothing explains counts 1.
+
+use super::boxes::{SHADOW_DOUBT, Search};
+use super::leaning::LeaningBox;
+use super::raster::Raster;
+
+/// What a box costs when whole explanations are compared, in least gains.
+const BOX_CHARGE: f32 = 8.0;
+
+impl Search<'_> {
+    /// The cost of every cell before any box: what is not floor, and shadow that nothing casts.
+    pub(super) fn unexplained(&self) -> Raster<f32> {
+        let mut cost = self.evidence.background.clone();
+        if self.lamp.is_some() {
+            self.doubt_shadow(&mut cost);
+        }
+        cost
+    }
+
+    /// Raises the cost of shadow that nothing is known to cast.
+    fn doubt_shadow(&self, cost: &mut Raster<f32>) {
+        for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
+            *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
+        }
+    }
+
+    /// What boxes explain together.
+    pub(crate) fn explained(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.unexplained();
+        let mut sum = 0.0;
+        for &seen in found {
+            sum += self.gain(seen, &cost) - self.least_gain() as f32;
+            self.explain(&mut cost, seen);
+        }
+        sum
+    }
+
+    /// What boxes and the lamp leave unexplained, in cells, with a charge for every box.
+    pub(crate) fn left_over(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.evidence.background.clone();
+        self.doubt_shadow(&mut cost);
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let weighted = cost.cells().iter().zip(self.evidence.weight.cells());
+        let left: f32 = weighted.map(|(cost, weight)| cost * weight).sum();
+        left + found.len() as f32 * BOX_CHARGE * self.least_gain() as f32
+    }
+
+    /// The share of the shadow that neither lies in the outline of a box nor is cast by one.
+    pub(crate) fn unexplained_shade(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.unexplained();
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let (mut left, mut all) = (0.0, 0.0);
+        for (shade, cost) in self.evidence.shade.cells().iter().zip(cost.cells()) {
+            all += shade.max(0.0);
+            left += if *cost < SHADOW_DOUBT * shade { 0.0 } else { shade.max(0.0) };
+        }
+        left / all.max(1.0)
+    }
+}
