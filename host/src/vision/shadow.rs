@@ -281,4 +281,35 @@ mod tests {
         let reached = highlights(&floor, &view, 2.5);
         assert_eq!((reached.get(60, 50), reached.get(165, 45)), (Some(true), Some(false)));
     }
+
+    #[test]
+    fn a_bright_box_that_is_as_bright_as_the_floor_in_one_place_is_no_highlight() {
+        let (floor, view) = view(|point| {
+            let of_box = point.x > 1.5 && point.x < 1.8 && point.y > 0.3 && point.y < 0.6;
+            // A streak on the floor leads up to the box's brightness.
+            let streak = (point.y - 0.45).abs() < 0.02 && point.x <= 1.5;
+            let rise = (0.4 - (1.5 - point.x)).clamp(0.0, 0.4) as f32;
+            [if of_box { 0.4 } else { rise * f32::from(u8::from(streak)) }, 0.0, 0.0]
+        });
+        assert_eq!(highlights(&floor, &view, 2.5).get(165, 45), Some(false));
+    }
+
+    #[test]
+    fn two_depths_are_two_readings_of_shadow() {
+        let (floor, view) = view(|point| {
+            let patch = |x: f64, y: f64| {
+                point.x > x && point.x < x + 0.12 && point.y > y && point.y < y + 0.12
+            };
+            let depth = match () {
+                () if patch(0.2, 0.2) || patch(0.6, 0.6) => -0.5,
+                () if patch(1.0, 0.3) || patch(1.5, 0.5) => -1.0,
+                () => 0.0,
+            };
+            [depth, 0.0, 0.0]
+        });
+        let mut depths: Vec<f32> = find(&floor, &view).iter().map(|one| one.offset[0]).collect();
+        depths.sort_by(f32::total_cmp);
+        let [deep, shallow] = depths[..] else { panic!("{depths:?}") };
+        assert!((deep + 1.0).abs() < 0.2 && (shallow + 0.5).abs() < 0.1, "{depths:?}");
+    }
 }
