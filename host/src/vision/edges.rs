@@ -81,12 +81,23 @@ pub fn histogram_mean(values: &Raster<u16>) -> f64 {
 }
 
 /// The cells above `level`: the edges, white on black.
+///
+/// ```
+/// use host::vision::{Raster, threshold};
+/// let edges = threshold(&Raster::from_fn(3, 1, |x, _| x as u16 * 10), 5.0);
+/// assert_eq!(edges.cells(), [false, true, true]);
+/// ```
 pub fn threshold(values: &Raster<u16>, level: f64) -> Raster<bool> {
     let level = level.max(0.0) as u16;
     values.map(|value| value > level)
 }
 
 /// The colours reversed: white areas between black edges.
+///
+/// ```
+/// use host::vision::{Raster, invert};
+/// assert_eq!(invert(&Raster::from_fn(2, 1, |x, _| x == 0)).cells(), [false, true]);
+/// ```
 pub fn invert(edges: &Raster<bool>) -> Raster<bool> {
     edges.map(|edge| !edge)
 }

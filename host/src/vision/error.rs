@@ -103,7 +103,8 @@ pub enum VisionError {
         /// The least score.
         needed: f64,
     },
-    /// What looks like the border is not a rectangle of the stated size seen by any camera.
+    /// What looks like the border is not a rectangle of the stated size seen by any camera, or it is the
+    /// top of a wall whose faces line the arena.
     #[error("what looks like the border is no rectangle of {} x {} m seen by any camera: a box, shadow or wall top hides part of it, or the size is wrong; clear the border, check the size, or give --corners", .arena.width, .arena.height)]
     OddBorder {
         /// The arena that was looked for.

@@ -76,6 +76,46 @@ pub struct PairSteps {
 /// # Errors
 /// [`VisionError::Camera`] if a camera does not belong to its photo, [`VisionError::Pair`] if two pictures
 /// cannot show heights: parallel rays, cameras side by side, or pictures of two arenas.
+///
+/// ```
+/// use host::geometry::{Arena, Point, Rect};
+/// use host::vision::{Camera, CameraModel, DetectOptions, Photo, VisionError, detect_pair};
+/// // Two cameras 2.5 m above a floor of 1.6 × 1.2 m, a box of 0.3 × 0.2 m on it, 0.3 m tall.
+/// let camera = |x: f64| Camera {
+///     model: CameraModel::Perspective,
+///     image_size: [480, 360],
+///     matrix: [[560.0, 0.0, 239.5], [0.0, 560.0, 179.5], [0.0, 0.0, 1.0]],
+///     k1: 0.0,
+///     rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+///     translation: [-x, 0.6, 2.5],
+///     spread: None,
+/// };
+/// let (floor, raised) = (Rect::new(0.0, 0.0, 1.6, 1.2), Rect::new(0.6, 0.7, 0.9, 0.9));
+/// let photo = |x: f64| {
+///     let pixels = (0..480 * 360).map(|i| {
+///         let (column, row) = (f64::from(i % 480), f64::from(i / 480));
+///         let at = |height: f64| {
+///             let share = (2.5 - height) / 560.0;
+///             Point::new(x + share * (column - 239.5), 0.6 - share * (row - 179.5))
+///         };
+///         let on_box = |step: i32| raised.contains(at(0.01 * f64::from(step)));
+///         match (0..=30).rev().find(|&step| on_box(step)) {
+///             Some(30) => [90; 3],
+///             Some(_) => [60; 3],
+///             None if floor.contains(at(0.0)) => [200; 3],
+///             None => [40; 3],
+///         }
+///     });
+///     Photo::from_rgb(480, 360, pixels.collect())
+/// };
+/// let (a, b) = (photo(0.45)?, photo(1.15)?);
+/// let arena = Arena { width: 1.6, height: 1.2 };
+/// let seen = detect_pair([&a, &b], [&camera(0.45), &camera(1.15)], arena, &DetectOptions::default())?;
+/// let [found] = seen.detection.obstacles[..] else { panic!("one box") };
+/// assert!((found.x0 - 0.6).abs() < 0.01 && (found.y1 - 0.9).abs() < 0.01);
+/// assert!((seen.heights[0] - 0.3).abs() < 0.03);
+/// # Ok::<(), VisionError>(())
+/// ```
 pub fn detect_pair(
     photos: [&Photo; 2],
     cameras: [&Camera; 2],
