@@ -1,9 +1,11 @@
-//! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal.
+//! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal; or
+//! taking it from corners that the user gave.
 
 use super::border::{self, Border};
 use super::error::VisionError;
 use super::lines::EdgeMap;
 use super::photo::Photo;
+use super::plan_map::PlanMap;
 use super::quads;
 use super::viewpoint::Viewpoint;
 use crate::geometry::Arena;
@@ -82,6 +84,36 @@ fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, Vision
         Some(corner) => Err(VisionError::OutOfView { corner, pixel: corners[corner] }),
         None => Ok(border),
     }
+}
+
+/// Whether an arena of that size is possible.
+pub(crate) fn check_arena(arena: Arena) -> Result<(), VisionError> {
+    let Arena { width, height } = arena;
+    let possible = |length: f64| (0.1..=100.0).contains(&length);
+    if !possible(width) || !possible(height) || width > 10.0 * height || height > 10.0 * width {
+        return Err(VisionError::ArenaSize(arena));
+    }
+    Ok(())
+}
+
+/// The map of corners that the user gave.
+pub(crate) fn given(
+    photo: &Photo,
+    arena: Arena,
+    corners: [[f64; 2]; 4],
+) -> Result<PlanMap, VisionError> {
+    let turn = |i: usize| {
+        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    };
+    // Counter-clockwise on the floor is clockwise with rows running down, hence negative.
+    if !(0..4).all(|i| turn(i) < 0.0) {
+        return Err(VisionError::Corners);
+    }
+    if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
+        return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
+    }
+    PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
-use super::arena;
+use super::arena::{self, check_arena, given};
 use super::border_light;
 use super::camera::Camera;
 use super::error::VisionError;
@@ -144,7 +144,7 @@ pub fn detect(
     };
     let found = match options.method {
         Method::Paper => Found { boxes: paper_rectangles(photo, &map, arena, top), leans: None },
-        Method::Robust => robust::find(photo, &map, &look, top, viewpoint),
+        Method::Robust => robust::find(photo, &map, look, top, viewpoint),
     };
     let robot = top.map(|top| {
         let viewpoint = viewpoint.filter(|_| leans(&found, top, options));
@@ -286,36 +286,6 @@ pub(crate) fn check(arena: Arena, radius: f64) -> Result<(), VisionError> {
     check_arena(arena)?;
     let fits = radius > 0.0 && radius < arena.width.min(arena.height) / 2.0;
     if fits { Ok(()) } else { Err(VisionError::RobotRadius(radius)) }
-}
-
-/// Whether an arena of that size is possible.
-pub(crate) fn check_arena(arena: Arena) -> Result<(), VisionError> {
-    let Arena { width, height } = arena;
-    let possible = |length: f64| (0.1..=100.0).contains(&length);
-    if !possible(width) || !possible(height) || width > 10.0 * height || height > 10.0 * width {
-        return Err(VisionError::ArenaSize(arena));
-    }
-    Ok(())
-}
-
-/// The map of corners that the user gave.
-pub(crate) fn given(
-    photo: &Photo,
-    arena: Arena,
-    corners: [[f64; 2]; 4],
-) -> Result<PlanMap, VisionError> {
-    let turn = |i: usize| {
-        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-    };
-    // Counter-clockwise on the floor is clockwise with rows running down, hence negative.
-    if !(0..4).all(|i| turn(i) < 0.0) {
-        return Err(VisionError::Corners);
-    }
-    if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
-        return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
-    }
-    PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
 }
 
 #[cfg(test)]

@@ -243,30 +243,18 @@ fn soft_shadow(
     floor: &FloorModel,
     finest: f64,
 ) -> Raster<bool> {
-    let (width, height) = (judged.width(), judged.height());
-    let mut reached = judged.map(|difference| difference.lit < SURE);
-    let Some(shadow) = floor.shadow else { return reached };
+    let lit = judged.map(|difference| difference.lit < SURE);
+    let Some(shadow) = floor.shadow else { return lit };
     let sharpest = LEAST_BLURRED * finest as f32;
     let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
-    let mut open: Vec<usize> =
-        (0..judged.cells().len()).filter(|&cell| reached.cells()[cell]).collect();
-    while let Some(cell) = open.pop() {
-        let (x, y) = ((cell % width) as i64, (cell / width) as i64);
-        for (x, y) in [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)] {
-            if x < 0 || y < 0 || x >= width as i64 || y >= height as i64 {
-                continue;
-            }
-            let next = y as usize * width + x as usize;
-            let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
-            let floor = judged.cells()[next].floor < SURE;
-            let inside = outside(frame.arena, frame.point(x as f64, y as f64)).is_none();
-            if !reached.cells()[next] && floor && inside && step < steepest {
-                reached.cells_mut()[next] = true;
-                open.push(next);
-            }
-        }
-    }
-    reached
+    let width = judged.width();
+    lit.grown(|cell, next| {
+        let point = frame.point((next % width) as f64, (next / width) as f64);
+        let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
+        judged.cells()[next].floor < SURE
+            && step < steepest
+            && outside(frame.arena, point).is_none()
+    })
 }
 
 /// The cells within `reach` columns and rows of a marked one.

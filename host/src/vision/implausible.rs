@@ -1,8 +1,8 @@
 //! What was taken for a box but cannot be one: the face of a wall, a part of the robot, floor that merely
-//! grows darker.
+//! grows darker; and strips that tell that the arena itself was mistaken.
 //!
-//! Deviation: the paper keeps every area that is not white [Alghannam, Sec. II]. These three are no
-//! obstacles for reasons that colours alone do not tell.
+//! Deviation: the paper keeps every area that is not white [Alghannam, Sec. II]. These are no obstacles
+//! for reasons that colours alone do not tell. Metres in the arena frame.
 
 use super::floor::Feature;
 use super::look::Look;
@@ -21,8 +21,8 @@ const ROBOT_REACH: f64 = 1.0;
 const PLACES: usize = 24;
 const ACROSS: f64 = 0.010;
 const ACROSS_CELLS: f64 = 2.0;
-/// At least one edge of a box steps by so much (natural logarithms): the faintest boxes are three times
-/// as far from the floor, the steepest light on a floor changes by a third of it.
+/// At least one edge of a box steps by so much (natural logarithms): less than half of the 0.12 by which
+/// the faintest box on the plainest floor is foreign to it.
 const LEAST_STEP: f32 = 0.05;
 
 /// Whether a rectangle is as thin as the visible face of a wall and lies along one.

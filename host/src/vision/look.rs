@@ -26,7 +26,6 @@ pub(crate) const SURE: f32 = 2.5;
 pub(crate) const FOREIGN: f32 = 6.0;
 
 /// A plan view's colours and the floor's.
-#[derive(Clone)]
 pub(crate) struct Look {
     /// The plan view with all that may hide parts of the arena.
     pub(crate) frame: PlanFrame,
@@ -35,13 +34,12 @@ pub(crate) struct Look {
     pub(crate) features: Raster<Feature>,
     pub(crate) floor: FloorModel,
     /// What shadow may look like, likeliest first; the floor's is one of them.
-    pub(crate) shadows: Vec<Shadow>,
+    shadows: Vec<Shadow>,
     /// Unknown if only the robot is looked for.
     bright: Option<Bright>,
 }
 
 /// Where bright floor was found, by coarse cells.
-#[derive(Clone)]
 struct Bright {
     coarse: Coarse,
     cells: Raster<bool>,
@@ -79,11 +77,12 @@ impl Look {
         Some(Self { frame, view, features, floor, shadows: Vec::new(), bright: None })
     }
 
-    /// The same with another reading of shadow.
-    pub(crate) fn with_shadow(&self, shadow: Shadow) -> Self {
-        let mut look = self.clone();
-        look.floor.shadow = Some(shadow);
-        look
+    /// What shadow may look like, likeliest first: one reading at least, of none if there is none.
+    pub(crate) fn readings(&self) -> Vec<Option<Shadow>> {
+        if self.shadows.is_empty() {
+            return vec![None];
+        }
+        self.shadows.iter().copied().map(Some).collect()
     }
 
     /// Whether the centre of a cell lies on the arena.
@@ -117,7 +116,6 @@ impl Look {
 }
 
 /// The view of the arena alone, each cell the mean of several.
-#[derive(Clone)]
 struct Coarse {
     view: Residuals,
     /// The first column and row of the arena, and the cells on each side of a coarse cell.

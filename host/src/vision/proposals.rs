@@ -35,12 +35,10 @@ fn faces(evidence: &Evidence, foreign: &Raster<bool>, least: f64) -> Vec<CellRec
         let mut next = 0;
         while let Some(&cell) = patch.get(next) {
             next += 1;
-            let (x, y) = ((cell % width) as i64, (cell / width) as i64);
-            for (x, y) in [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)] {
-                if foreign.get(x, y) != Some(true) || taken.get(x, y) != Some(false) {
+            for neighbour in foreign.beside(cell) {
+                if !foreign.cells()[neighbour] || taken.cells()[neighbour] {
                     continue;
                 }
-                let neighbour = y as usize * width + x as usize;
                 let same = (0..3).all(|part| {
                     (features[cell][part] - features[neighbour][part]).abs() < SAME_FACE[part]
                 });

@@ -110,6 +110,40 @@ impl Raster<bool> {
         }
         (regions, count)
     }
+
+    /// The marked cells with all that are reached from them by steps to a side for which `joins`, given the
+    /// indices of the cell before and after the step.
+    ///
+    /// ```
+    /// use host::vision::Raster;
+    /// let start = Raster::from_fn(4, 1, |x, _| x == 0);
+    /// let grown = start.grown(|_, next| next != 2);
+    /// assert_eq!(grown.cells(), [true, true, false, false]);
+    /// ```
+    pub fn grown(&self, joins: impl Fn(usize, usize) -> bool) -> Self {
+        let mut reached = self.clone();
+        let mut open: Vec<usize> = (0..self.cells.len()).filter(|&cell| self.cells[cell]).collect();
+        while let Some(cell) = open.pop() {
+            for next in self.beside(cell) {
+                if !reached.cells[next] && joins(cell, next) {
+                    reached.cells[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+        reached
+    }
+
+    /// The cells at the sides of a cell, all by their indices.
+    pub(crate) fn beside(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.width, self.height);
+        let (x, y) = (cell % width, cell / width);
+        let left = (x > 0).then(|| cell - 1);
+        let right = (x + 1 < width).then(|| cell + 1);
+        let above = (y > 0).then(|| cell - width);
+        let below = (y + 1 < height).then(|| cell + width);
+        [left, right, above, below].into_iter().flatten()
+    }
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use super::photo::Photo;
 use super::plan_map::PlanMap;
 use super::proposals::proposals;
 use super::robot::RobotTop;
+use super::shadow::Shadow;
 use super::sharpen::{Bounded, Sharpener};
 use super::viewpoint::Viewpoint;
 use crate::geometry::{Point, Rect};
@@ -47,26 +48,30 @@ pub(crate) struct Found {
 pub(crate) fn find(
     photo: &Photo,
     map: &PlanMap,
-    look: &Look,
+    mut look: Look,
     robot: Option<RobotTop>,
     viewpoint: Option<Viewpoint>,
 ) -> Found {
-    let picture = Picture { photo, map, look, robot, viewpoint };
-    let evidence = Evidence::of(photo, map, look, robot, true);
-    let first = picture.explain(&evidence);
-    let mut best = (picture.left_over(&first, &evidence), look.clone(), evidence, first);
-    for &shadow in look.shadows.iter().skip(1) {
-        let other = look.with_shadow(shadow);
-        let picture = Picture { look: &other, ..picture };
-        let evidence = best.2.anew(&other, robot, true);
+    let mut best: Option<Reading> = None;
+    for shadow in look.readings() {
+        look.floor.shadow = shadow;
+        let evidence = match &best {
+            None => Evidence::of(photo, map, &look, robot, true),
+            Some(best) => best.evidence.anew(&look, robot, true),
+        };
+        let picture = Picture { photo, map, look: &look, robot, viewpoint };
         let scene = picture.explain(&evidence);
         let left = picture.left_over(&scene, &evidence);
-        if scene.lamp.is_some() && left < CLEARLY * best.0 {
-            best = (left, other, evidence, scene);
+        let clearly = |best: &Reading| scene.lamp.is_some() && left < CLEARLY * best.left;
+        if best.as_ref().is_none_or(clearly) {
+            best = Some(Reading { shadow, evidence, scene, left });
         }
     }
-    let (_, look, evidence, first) = best;
-    let picture = Picture { look: &look, ..picture };
+    let Some(Reading { shadow, evidence, scene: first, .. }) = best else {
+        return Found { boxes: Vec::new(), leans: None };
+    };
+    look.floor.shadow = shadow;
+    let picture = Picture { photo, map, look: &look, robot, viewpoint };
     if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
         return picture.finish(first);
     }
@@ -81,6 +86,14 @@ fn shade(evidence: &Evidence) -> f64 {
     f64::from(shaded) / evidence.frame.scale.powi(2)
 }
 
+/// A reading of shadow, what it makes of the picture, and how much it leaves unexplained, cells.
+struct Reading {
+    shadow: Option<Shadow>,
+    evidence: Evidence,
+    scene: Scene,
+    left: f32,
+}
+
 /// The explanation of a picture.
 struct Scene {
     boxes: Vec<LeaningBox>,
@@ -90,7 +103,6 @@ struct Scene {
 }
 
 /// A picture and what is known of it before boxes are sought.
-#[derive(Clone, Copy)]
 struct Picture<'a> {
     photo: &'a Photo,
     map: &'a PlanMap,
@@ -178,7 +190,7 @@ mod tests {
         let corners = [[-0.5, 149.5], [199.5, 149.5], [199.5, -0.5], [-0.5, -0.5]];
         let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
         let look = Look::at(&photo, &map, arena).unwrap();
-        let found = find(&photo, &map, &look, None, Viewpoint::of(&photo, &map));
+        let found = find(&photo, &map, look, None, Viewpoint::of(&photo, &map));
         assert_eq!((found.boxes.len(), found.leans), (1, Some(false)));
         let Rect { x0, y0, x1, y1 } = found.boxes[0].rect;
         for (edge, drawn) in [(x0, 0.6), (y0, 0.6), (x1, 0.9), (y1, 1.0)] {

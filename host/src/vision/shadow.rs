@@ -61,7 +61,6 @@ impl Shadow {
 }
 
 /// A coarse view of the floor: where each cell lies and its residual from the floor's model.
-#[derive(Clone)]
 pub(crate) struct Residuals {
     pub(crate) points: Vec<Point>,
     /// Cells per metre.
@@ -176,17 +175,10 @@ pub(crate) fn highlights(floor: &FloorModel, view: &Residuals, sure: f32) -> Ras
             (cells[a][part] - cells[b][part]).abs() < SMOOTH[part].max(floor.spread[part])
         })
     };
-    let mut reached = lit.clone();
-    let mut open: Vec<usize> = (0..cells.len()).filter(|&cell| reached.cells()[cell]).collect();
-    while let Some(cell) = open.pop() {
-        for next in neighbours(&lit, cell) {
-            let dark = cells[next][0] <= -2.0 * floor.spread[0];
-            if !reached.cells()[next] && !dark && smooth(cell, next) {
-                reached.cells_mut()[next] = true;
-                open.push(next);
-            }
-        }
-    }
+    let reached = lit.grown(|cell, next| {
+        let dark = cells[next][0] <= -2.0 * floor.spread[0];
+        !dark && smooth(cell, next)
+    });
     let glow = Raster::from_fn(lit.width(), lit.height(), |column, row| {
         let cell = row * lit.width() + column;
         reached.cells()[cell] && !lit.cells()[cell]
@@ -194,7 +186,7 @@ pub(crate) fn highlights(floor: &FloorModel, view: &Residuals, sure: f32) -> Ras
     let (patches, count) = glow.regions(true);
     let mut rims = vec![[0usize; 2]; count + 1];
     for (cell, &patch) in patches.cells().iter().enumerate().filter(|&(_, &patch)| patch > 0) {
-        for next in neighbours(&lit, cell).filter(|&next| lit.cells()[next]) {
+        for next in lit.beside(cell).filter(|&next| lit.cells()[next]) {
             rims[patch as usize][usize::from(smooth(cell, next))] += 1;
         }
     }
@@ -204,17 +196,6 @@ pub(crate) fn highlights(floor: &FloorModel, view: &Residuals, sure: f32) -> Ras
         let cell = row * lit.width() + column;
         reached.cells()[cell] && glows.cells()[cell]
     })
-}
-
-/// The cells beside a cell, by their indices.
-fn neighbours(of: &Raster<bool>, cell: usize) -> impl Iterator<Item = usize> + use<> {
-    let (width, height) = (of.width(), of.height());
-    let (x, y) = (cell % width, cell / width);
-    let left = (x > 0).then(|| cell - 1);
-    let right = (x + 1 < width).then(|| cell + 1);
-    let above = (y > 0).then(|| cell - width);
-    let below = (y + 1 < height).then(|| cell + width);
-    [left, right, above, below].into_iter().flatten()
 }
 
 #[cfg(test)]

@@ -5,16 +5,13 @@
 //! by side. Which side it was a single camera shows but weakly, so five explanations are fitted, none and each
 //! side mistaken; the likeliest gives the camera, and where the others differ from it the camera is less sure.
 
+use super::super::viewpoint::{FOCAL_SPREAD, USUAL_FOCAL};
 use super::KnownOfCamera;
 use super::model::{Prior, Problem, Unknown};
 use super::observe::ObservedBorder;
 use super::solve::{Solution, solve, starts};
 use crate::geometry::{Arena, Point};
 
-/// The usual focal length in widths of the picture, and the factor that is its standard deviation: 19 of 20
-/// lenses have 0.6 to 2 widths.
-const USUAL_FOCAL: f64 = 1.1;
-const FOCAL_FACTOR: f64 = 1.35;
 /// How far the principal point usually lies from the picture's centre, a share of the picture's width.
 const CENTRE_SPREAD: f64 = 0.01;
 /// How far the radial coefficient usually lies from 0.
@@ -106,8 +103,8 @@ fn problem<'a>(
     let (focal, spread) = match known {
         KnownOfCamera { focal: Some(focal), .. } => (focal, GIVEN_FOCAL_SPREAD),
         // A height tells the focal length better than any usual one, of long lenses too.
-        KnownOfCamera { height: Some(_), .. } => (USUAL_FOCAL * width, 10.0 * FOCAL_FACTOR.ln()),
-        _ => (USUAL_FOCAL * width, FOCAL_FACTOR.ln()),
+        KnownOfCamera { height: Some(_), .. } => (USUAL_FOCAL * width, 10.0 * FOCAL_SPREAD),
+        _ => (USUAL_FOCAL * width, FOCAL_SPREAD),
     };
     let centre = |axis, length: f64| Prior {
         unknown: Unknown::Centre(axis),

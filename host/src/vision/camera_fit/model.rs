@@ -15,6 +15,7 @@
 
 use super::super::align::side_point;
 use super::super::plan_map::PlanMap;
+use super::super::viewpoint::columns;
 use super::observe::{ObservedBorder, Sighting};
 use crate::geometry::Arena;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SVector, Vector3};
@@ -95,9 +96,7 @@ impl Lens {
 impl Stand {
     /// The place from which a camera of that focal length sees the floor by `map`.
     pub(super) fn of(map: &PlanMap, focal: f64) -> Option<Self> {
-        let to_rays = Matrix3::from_diagonal(&Vector3::new(1.0 / focal, 1.0 / focal, 1.0));
-        let rays = to_rays * map.centred_homography();
-        let [a, b, t] = [0, 1, 2].map(|column| rays.column(column).into_owned());
+        let [a, b, t] = columns(&map.centred_homography(), focal);
         // The floor lies before the camera.
         let scale = (2.0 / (a.norm() + b.norm())).copysign(t.z);
         let x = (a * scale).try_normalize(1e-12)?;

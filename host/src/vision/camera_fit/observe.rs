@@ -1,9 +1,8 @@
 //! What one picture shows of the border: many steps of light along its four sides.
 
 use super::super::align::{self, Search, Terms, side_point};
-use super::super::arena;
+use super::super::arena::{self, check_arena, given};
 use super::super::border_light::{changes, company};
-use super::super::detect::{check_arena, given};
 use super::super::error::VisionError;
 use super::super::faults::check_overview;
 use super::super::photo::Photo;
