@@ -1,6 +1,6 @@
 //! The chained form in n dimensions steers a car and a car with a trailer.
 
-use tests::vehicles::{Car, CarWithTrailer, ChainedVehicle, steer};
+use wmr_tests::vehicles::{Car, CarWithTrailer, ChainedVehicle, steer};
 
 /// The vehicles are integrated by a rule of second order in 2000 steps an interval.
 const INTEGRATION: f64 = 1e-4;

@@ -1,15 +1,15 @@
 //! A client in another language, written from the protocol's document, drives a leg through a
 //! pseudo-terminal; and a cable that is pulled and plugged in again.
-//! `cargo run --release -p tests --example replug_figures` does that a thousand times.
+//! `cargo run --release -p wmr-tests --example replug_figures` does that a thousand times.
 #![cfg(unix)]
 
 use hil_sim::pty::Pty;
 use hil_sim::realtime;
 use std::process::{Command, Stdio};
 use std::time::Duration;
-use tests::link::ORIGIN;
-use tests::replug::replug;
-use tests::simulated_robot;
+use wmr_tests::link::ORIGIN;
+use wmr_tests::replug::replug;
+use wmr_tests::simulated_robot;
 
 /// Two encoder counts on each wheel.
 const TOLERANCE: f64 = 0.002;

@@ -4,15 +4,15 @@
 use hil_sim::base::TruePose;
 use hil_sim::in_process::InProcess;
 use hil_sim::simulation::Simulation;
-use host::geometry::Point;
-use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::link::LinkClient;
-use host::link::mission::{Mission, MissionError, MissionEvent};
 use protocol::message::{Command, PauseReason, PlanRefusal, State};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::units::Seconds;
 use std::time::Duration;
-use tests::{POLL, drive, simulated_robot};
+use wmr::geometry::Point;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
+use wmr::link::LinkClient;
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr_tests::{POLL, drive, simulated_robot};
 
 const LIMITS: LegOptions = LegOptions { timing: Timing::Limits, reverse: true };
 const START: Pose = Pose::new(0.2, 0.2, 0.5);

@@ -4,10 +4,6 @@
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::{EmulatedPico, Fault, Step};
 use hil_sim::simulation::Simulation;
-use host::geometry::Point;
-use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
-use host::link::mission::MissionError;
-use host::link::{LinkClient, LinkError};
 use protocol::message::{self, Board, Command, Reboot, ResetCause, Telemetry};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::Parameters;
@@ -17,9 +13,13 @@ use std::f64::consts::TAU;
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::Duration;
-use tests::elf_resets::{Resets, reset_often};
-use tests::lockstep::on_the_python_base;
-use tests::{POLL, drive, simulated_robot};
+use wmr::geometry::Point;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use wmr::link::mission::MissionError;
+use wmr::link::{LinkClient, LinkError};
+use wmr_tests::elf_resets::{Resets, reset_often};
+use wmr_tests::lockstep::on_the_python_base;
+use wmr_tests::{POLL, drive, simulated_robot};
 
 const ELF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/firmware/pico.elf");
 

@@ -4,15 +4,15 @@
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::{EmulatedPico, Tick};
 use hil_sim::simulation::{Brain, Simulation};
-use host::geometry::Point;
-use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
 use protocol::motion::{Pose, Timing};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fs, io};
-use tests::drive;
-use tests::elf_file::ElfFile;
+use wmr::geometry::Point;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use wmr_tests::drive;
+use wmr_tests::elf_file::ElfFile;
 
 const FLASH_LIMIT: u32 = 64 * 1024;
 /// Static memory and the most stack together.

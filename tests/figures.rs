@@ -1,7 +1,7 @@
 //! The controller's promises in figures, each at a size that takes seconds; the full ones are printed
-//! by `cargo run --release -p tests --example figures`.
+//! by `cargo run --release -p wmr-tests --example figures`.
 
-use tests::figures::{self, Size, assert_kept};
+use wmr_tests::figures::{self, Size, assert_kept};
 
 #[test]
 fn ideal_wheels_end_where_they_should() {

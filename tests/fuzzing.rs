@@ -3,8 +3,8 @@
 
 use fastrand::Rng;
 use std::fs;
-use tests::fuzzing::{decoder, whole_stack};
-use tests::fuzzing_vision::vision;
+use wmr_tests::fuzzing::{decoder, whole_stack};
+use wmr_tests::fuzzing_vision::vision;
 
 fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = format!("{}/../fuzz/corpus/{target}", env!("CARGO_MANIFEST_DIR"));

@@ -1,12 +1,12 @@
 //! No leg lost, none driven twice, whatever the wire does; figures by the million with
-//! `cargo run --release -p tests --example link_figures -- --legs 1000000`.
+//! `cargo run --release -p wmr-tests --example link_figures -- --legs 1000000`.
 
 use hil_sim::wire::{Faults, Pace};
-use host::link::mission::{Mission, MissionEvent};
 use std::time::Duration;
-use tests::damage::{Verdicts, damage_frames};
-use tests::link::{ORIGIN, Tally, drive_many, straight_legs, wired};
-use tests::{POLL, link};
+use wmr::link::mission::{Mission, MissionEvent};
+use wmr_tests::damage::{Verdicts, damage_frames};
+use wmr_tests::link::{ORIGIN, Tally, drive_many, straight_legs, wired};
+use wmr_tests::{POLL, link};
 
 const LEGS: u32 = 100_000;
 

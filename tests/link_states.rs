@@ -6,7 +6,6 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use hil_sim::wire::{Fate, Faults, Pace};
-use host::link::mission::{Mission, MissionError, MissionEvent};
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
 use protocol::message::{
     Board, Command, HostHello, PROTOCOL_VERSION, PlanRefusal, Reboot, Report, ResetCause, State,
@@ -14,9 +13,10 @@ use protocol::message::{
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::schema::SCHEMA_HASH;
 use protocol::session::session_id;
-use tests::POLL;
-use tests::link::{Client, ORIGIN, STUCK, straight_legs, wired};
-use tests::model::{Begin, search};
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr_tests::POLL;
+use wmr_tests::link::{Client, ORIGIN, STUCK, straight_legs, wired};
+use wmr_tests::model::{Begin, search};
 
 use firmware::robot::{Boot, Port, Robot, Sensors};
 
@@ -74,7 +74,7 @@ fn every_history_between_two_plans_ends_at_the_goal() {
     }
 }
 
-/// Three faults take minutes: `cargo run --release -p tests --example link_states -- 3`.
+/// Three faults take minutes: `cargo run --release -p wmr-tests --example link_states -- 3`.
 #[test]
 fn every_history_with_two_faults_at_any_moment_ends_at_the_goal() {
     for begin in [Begin::Fresh, Begin::BetweenPlans] {
@@ -182,7 +182,7 @@ fn hello() -> HostHello {
 
 fn start(legs: &[protocol::motion::Leg]) -> impl Iterator<Item = Command> {
     let placement = protocol::message::Placement::Start(ORIGIN);
-    host::link::mission::batch(1, 0, legs, placement).into_iter()
+    wmr::link::mission::batch(1, 0, legs, placement).into_iter()
 }
 
 #[test]

@@ -3,14 +3,14 @@
 
 use hil_sim::in_process::InProcess;
 use hil_sim::wire::{Fate, Faults, Pace, Wire};
-use host::link::mission::{Mission, MissionError, MissionEvent, Progress};
-use host::link::{LinkClient, LinkError};
 use protocol::frame::{Decoder, MAX_FRAME};
 use protocol::message::{Command, MAX_LEGS, State};
 use protocol::session::Session;
 use protocol::units::Milliseconds;
 use std::time::Duration;
-use tests::link::{Client, ORIGIN, straight_legs, wired};
+use wmr::link::mission::{Mission, MissionError, MissionEvent, Progress};
+use wmr::link::{LinkClient, LinkError};
+use wmr_tests::link::{Client, ORIGIN, straight_legs, wired};
 
 const MILLISECOND: Duration = Duration::from_millis(1);
 const UART: Pace = Pace { latency: Duration::ZERO, jitter: Duration::ZERO, baud: Some(115_200) };

@@ -3,15 +3,15 @@
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
-use host::geometry::Point;
-use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
-use host::link::mission::MissionEvent;
 use protocol::motion::{Leg, Pose, Timing};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::Duration;
-use tests::lockstep::{drive_lockstep, on_the_python_base};
-use tests::{drive, simulated_robot};
+use wmr::geometry::Point;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use wmr::link::mission::MissionEvent;
+use wmr_tests::lockstep::{drive_lockstep, on_the_python_base};
+use wmr_tests::{drive, simulated_robot};
 
 const START: Pose = Pose::new(0.0, 0.0, 0.0);
 

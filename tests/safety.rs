@@ -5,16 +5,16 @@ use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};
 use hil_sim::simulation::{Brain, Simulation};
 use hil_sim::wire::Fate;
-use host::geometry::Point;
-use host::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
-use host::link::LinkClient;
-use host::link::mission::{MissionError, MissionEvent};
 use protocol::message::{CameraPose, Command, Fault, Report, State};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::{ParameterRefusal, Parameters};
 use protocol::units::Metres;
 use std::time::Duration;
-use tests::{POLL, drive, simulated_robot};
+use wmr::geometry::Point;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+use wmr::link::LinkClient;
+use wmr::link::mission::{MissionError, MissionEvent};
+use wmr_tests::{POLL, drive, simulated_robot};
 
 const START: Pose = Pose::new(0.0, 0.0, 0.0);
 

@@ -41,12 +41,12 @@ impl<const N: usize> CosineSwitch<N> {
     /// Solves for the inputs that lead from `start` to `end` with intervals of `epsilon` seconds.
     ///
     /// ```
-    /// use firmware::{chained_form::ChainedState, cosine_switch::CosineSwitch};
+    /// use wmr_firmware::{chained_form::ChainedState, cosine_switch::CosineSwitch};
     /// // A base at the origin along x, to (2, 1) along x: z3 rises by 1 over z1 = 2, so tan φ = 1/2.
     /// let switch = CosineSwitch::between(&ChainedState([0.0, 0.0, 0.0]), &ChainedState([2.0, 0.0, 1.0]), 3.0)?;
     /// assert_eq!(switch.odd_changes(), [0.5, -0.5]);
     /// assert_eq!(switch.even_change(), 2.0);
-    /// # Ok::<(), firmware::cosine_switch::CosineSwitchError>(())
+    /// # Ok::<(), wmr_firmware::cosine_switch::CosineSwitchError>(())
     /// ```
     ///
     /// # Errors

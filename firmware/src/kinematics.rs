@@ -76,7 +76,7 @@ impl BaseGeometry {
     /// The inverse: φ̇R = (u1 + u2 b/2)/rR, φ̇L = (u1 - u2 b/2)/rL.
     ///
     /// ```
-    /// use firmware::kinematics::BaseGeometry;
+    /// use wmr_firmware::kinematics::BaseGeometry;
     /// use protocol::{motion::Twist, units::*};
     /// let base = BaseGeometry::new(Metres(0.05), 1.0, Metres(0.2));
     /// let twist = Twist { linear: MetresPerSecond(0.5), angular: RadiansPerSecond(1.0) };

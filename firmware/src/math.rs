@@ -9,7 +9,7 @@ use micromath::F32Ext;
 /// cos(`angle`) to [`COSINE_ERROR`], for feed-forward shapes only; radians.
 ///
 /// ```
-/// assert!((firmware::math::cosine(1.0) - 0.5403).abs() < firmware::math::COSINE_ERROR);
+/// assert!((wmr_firmware::math::cosine(1.0) - 0.5403).abs() < wmr_firmware::math::COSINE_ERROR);
 /// ```
 pub fn cosine(angle: f32) -> f32 {
     // By path: as a method, the standard library's exact one would be taken in tests on a computer.

@@ -44,7 +44,7 @@ impl Pace {
     /// One tick towards `target`, with the rims planned at (v, a) and allowed A.
     ///
     /// ```
-    /// use firmware::pace::Pace;
+    /// use wmr_firmware::pace::Pace;
     /// // 0.8 m/s² takes 0.4 m/s off in half a second, a hundred ticks.
     /// let paces = (0..100).fold(Pace::FULL, |pace, _| pace.towards(0.0, (0.4, 0.0), 0.8));
     /// assert!(paces.value() < 1e-3);

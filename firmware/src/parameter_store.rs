@@ -65,7 +65,7 @@ impl ParameterStore {
     /// Reads the two slots (A, B): the store, and the newest valid parameters if there are any.
     ///
     /// ```
-    /// use firmware::parameter_store::{ParameterStore, RECORD_SIZE};
+    /// use wmr_firmware::parameter_store::{ParameterStore, RECORD_SIZE};
     /// let (_, parameters) = ParameterStore::read([&[0xFF; RECORD_SIZE], &[0xFF; RECORD_SIZE]]);
     /// assert_eq!(parameters, None);
     /// ```

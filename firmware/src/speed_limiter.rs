@@ -26,7 +26,7 @@ impl Command {
     /// The next tick's command after this one, for `wanted`.
     ///
     /// ```
-    /// use firmware::{kinematics::BaseGeometry, parameters::Parameters, speed_limiter::Command};
+    /// use wmr_firmware::{kinematics::BaseGeometry, parameters::Parameters, speed_limiter::Command};
     /// use protocol::{motion::Twist, units::*};
     /// let parameters = Parameters::default();
     /// let wanted = Twist { linear: MetresPerSecond(0.8), angular: RadiansPerSecond(0.0) };

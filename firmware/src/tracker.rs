@@ -19,7 +19,7 @@ use protocol::units::{MetresPerSecond, Radians, RadiansPerSecond};
 /// The twist that leads back to `reference` while moving along it with `planned`.
 ///
 /// ```
-/// use firmware::tracker::correct;
+/// use wmr_firmware::tracker::correct;
 /// use protocol::{motion::{Pose, Twist}, parameters::TrackerGains, units::*};
 /// let planned = Twist { linear: MetresPerSecond(0.2), angular: RadiansPerSecond(0.0) };
 /// let reference = Pose::new(1.0, 0.0, 0.0);

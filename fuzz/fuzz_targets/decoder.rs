@@ -1,4 +1,4 @@
 //! Any bytes on the wire.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| tests::fuzzing::decoder(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| wmr_tests::fuzzing::decoder(data));

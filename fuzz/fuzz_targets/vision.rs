@@ -1,4 +1,4 @@
 //! Broken files and random pictures.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| tests::fuzzing_vision::vision(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| wmr_tests::fuzzing_vision::vision(data));

@@ -1,4 +1,4 @@
 //! Host, faulty wires and robot, meddled with.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| tests::fuzzing::whole_stack(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| wmr_tests::fuzzing::whole_stack(data));

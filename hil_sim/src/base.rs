@@ -163,7 +163,7 @@ impl WheeledBase {
     /// Lets `seconds` pass with the motors at `duty` (left, right), each in -1..=1.
     ///
     /// ```
-    /// use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+    /// use wmr_sim::base::{BaseParameters, TruePose, WheeledBase};
     /// let mut base = WheeledBase::new(BaseParameters::seeded(1), TruePose::default());
     /// base.step([0.5, 0.5], 1.0);
     /// assert!(base.pose().x > 0.2 && base.pose().y.abs() < 0.02);

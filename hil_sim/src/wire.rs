@@ -131,7 +131,7 @@ impl Wire {
     /// Puts `bytes` on the wire at `now`.
     ///
     /// ```
-    /// use hil_sim::wire::{Faults, Pace, Wire};
+    /// use wmr_sim::wire::{Faults, Pace, Wire};
     /// use std::time::Duration;
     /// let pace = Pace { baud: Some(115_200), ..Pace::default() };
     /// let mut wire = Wire::new(Faults::default(), pace, 1);

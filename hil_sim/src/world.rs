@@ -20,7 +20,7 @@ impl World {
     /// The gap between the robot's disc at `pose` and the nearest box or wall, m; negative where it overlaps.
     ///
     /// ```
-    /// use hil_sim::{base::TruePose, world::World};
+    /// use wmr_sim::{base::TruePose, world::World};
     /// let world = World { size: [2.0, 1.0], boxes: vec![[1.0, 0.0, 1.2, 1.0]], robot_radius: 0.1 };
     /// let gap = world.clearance(TruePose { x: 0.5, y: 0.5, heading: 0.0 });
     /// assert!((gap - 0.4).abs() < 1e-12);

@@ -5,16 +5,16 @@
 //! metre; `detect_paper_ms` and `detect_robust_ms` are whole detections. Each is the least of several.
 //! With `--sizes` it draws an arena at growing sizes instead and adds the peak of memory above the photo.
 
-use host::geometry::{Arena, Rect};
-use host::vision::{
-    DetectOptions, Method, Photo, PlanFrame, PlanMap, brightness_view, decode, detect,
-    paper_obstacles, rectangles,
-};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::hint::black_box;
 use std::io::BufRead;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
+use wmr::geometry::{Arena, Rect};
+use wmr::vision::{
+    DetectOptions, Method, Photo, PlanFrame, PlanMap, brightness_view, decode, detect,
+    paper_obstacles, rectangles,
+};
 
 const REPEATS: usize = 7;
 const SCALE: f64 = 300.0;
@@ -102,7 +102,7 @@ fn drawn(width: usize) -> Option<Photo> {
         .collect();
     let pixels = (0..width * height).map(|index| {
         let (x, y) = ((index % width) as f64 / metre - 0.2, (index / width) as f64 / metre - 0.15);
-        let point = host::geometry::Point::new(x, y);
+        let point = wmr::geometry::Point::new(x, y);
         let floor = Rect::new(0.0, 0.0, 2.0, 1.5).distance(point) == 0.0;
         let frame = Rect::new(-0.05, -0.05, 2.05, 1.55).distance(point) == 0.0 && !floor;
         let dark = frame || boxes.iter().any(|rect| rect.distance(point) == 0.0);

@@ -106,7 +106,7 @@ class Level:
 
 def main():
     folder = sys.argv[1]
-    subprocess.check_call(["cargo", "build", "--quiet", "--release", "-p", "host"], cwd=ROOT)
+    subprocess.check_call(["cargo", "build", "--quiet", "--release", "-p", "wmr"], cwd=ROOT)
     levels = {}
     for name in sorted(glob.glob(os.path.join(folder, "*.json"))):
         with open(name) as file:

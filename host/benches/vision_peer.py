@@ -23,7 +23,7 @@ def peer_python():
 
 
 def bench(*words, lines=""):
-    command = ["cargo", "bench", "--quiet", "-p", "host", "--bench", "vision", "--", *words]
+    command = ["cargo", "bench", "--quiet", "-p", "wmr", "--bench", "vision", "--", *words]
     run = subprocess.run(command, cwd=ROOT, input=lines, text=True, stdout=subprocess.PIPE, check=True)
     return [json.loads(line) for line in run.stdout.splitlines() if line.startswith("{")]
 

@@ -1,9 +1,9 @@
-//! Many queries on one arena, prepared once: `cargo run --release -p host --example many_queries`.
+//! Many queries on one arena, prepared once: `cargo run --release -p wmr --example many_queries`.
 
-use host::geometry::{Point, Rect};
-use host::plan::{PlanError, PlanOptions, PreparedArena};
-use host::scene::Scene;
 use std::time::Instant;
+use wmr::geometry::{Point, Rect};
+use wmr::plan::{PlanError, PlanOptions, PreparedArena};
+use wmr::scene::Scene;
 
 fn main() -> Result<(), PlanError> {
     // A store of 30 × 30 m: shelves in rows, with a gap in each at another place.

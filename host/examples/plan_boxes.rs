@@ -1,8 +1,8 @@
-//! Plans a way among boxes made in code: `cargo run -p host --example plan_boxes`.
+//! Plans a way among boxes made in code: `cargo run -p wmr --example plan_boxes`.
 
-use host::geometry::{Point, Rect};
-use host::plan::{Corners, PlanError, PlanOptions, plan};
-use host::scene::Scene;
+use wmr::geometry::{Point, Rect};
+use wmr::plan::{Corners, PlanError, PlanOptions, plan};
+use wmr::scene::Scene;
 
 fn main() -> Result<(), PlanError> {
     // A room of 4 × 3 m with two tables; the robot is a disc of 15 cm radius.

@@ -1,9 +1,9 @@
-//! Writes the UF2 file of an ELF file beside it: `cargo run -p host --example uf2 -- FILE.elf ...`
+//! Writes the UF2 file of an ELF file beside it: `cargo run -p wmr --example uf2 -- FILE.elf ...`
 
-use host::uf2::Image;
 use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
+use wmr::uf2::Image;
 
 fn main() -> Result<(), Box<dyn Error>> {
     for path in env::args_os().skip(1).map(PathBuf::from) {

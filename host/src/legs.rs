@@ -30,7 +30,7 @@ pub struct LegOptions {
 ///
 /// ```
 /// use protocol::{motion::Timing, units::Seconds};
-/// assert_eq!(host::legs::paper_timing(Seconds(9.0)), Timing::Paper { interval_ticks: 600 });
+/// assert_eq!(wmr::legs::paper_timing(Seconds(9.0)), Timing::Paper { interval_ticks: 600 });
 /// ```
 pub fn paper_timing(leg_time: Seconds) -> Timing {
     let ticks = leg_time.0 / motion::TICK.0 / 3.0;
@@ -44,7 +44,7 @@ pub fn paper_timing(leg_time: Seconds) -> Timing {
 /// drawn from what they say: the same legs are the same plan.
 ///
 /// ```
-/// use host::{geometry::Point, legs::{DEFAULT_LIMITS, LegOptions, to_legs}};
+/// use wmr::{geometry::Point, legs::{DEFAULT_LIMITS, LegOptions, to_legs}};
 /// use protocol::motion::{Direction, Timing};
 /// let way = [Point::new(0.0, 0.0), Point::new(-1.0, 0.0)];
 /// let options = LegOptions { timing: Timing::Limits, reverse: true };

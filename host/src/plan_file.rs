@@ -155,7 +155,7 @@ impl PlanFile {
     /// [`PlanFileError`] if it is no plan, or no whole one, or one that would touch something.
     ///
     /// ```
-    /// assert!(host::plan_file::PlanFile::from_json("{}").is_err());
+    /// assert!(wmr::plan_file::PlanFile::from_json("{}").is_err());
     /// ```
     pub fn from_json(text: &str) -> Result<Self, PlanFileError> {
         let plan: Self = serde_json::from_str(text)?;

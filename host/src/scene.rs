@@ -103,11 +103,11 @@ impl Scene {
     /// [`SceneError`] if the text is not of the format or a number in it makes no sense.
     ///
     /// ```
-    /// let scene = host::scene::Scene::from_json(
+    /// let scene = wmr::scene::Scene::from_json(
     ///     r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.5,0,1,0.5]]}"#,
     /// )?;
     /// assert_eq!(scene.obstacles.len(), 1);
-    /// # Ok::<(), host::scene::SceneError>(())
+    /// # Ok::<(), wmr::scene::SceneError>(())
     /// ```
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
         let scene: Self = serde_json::from_str(text)?;

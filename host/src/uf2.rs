@@ -10,7 +10,7 @@
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let elf = std::fs::read("target/firmware/pico.elf")?;
-//! let image = host::uf2::Image::from_elf(&elf)?;
+//! let image = wmr::uf2::Image::from_elf(&elf)?;
 //! std::fs::write("target/firmware/pico.uf2", image.to_uf2())?;
 //! # Ok(())
 //! # }

@@ -110,7 +110,7 @@ fn the_papers_experiment_takes_27_seconds() {
 
 #[test]
 fn the_papers_experiment_is_found_in_a_picture_of_it() {
-    let drawn = host::picture::overhead::overhead_png(&paper_scene(), 250.0).unwrap();
+    let drawn = wmr::picture::overhead::overhead_png(&paper_scene(), 250.0).unwrap();
     assert!(
         std::fs::read(PAPER_PHOTO).unwrap() == drawn,
         "draw it anew: host/examples/paper_picture.rs"
@@ -126,8 +126,8 @@ fn the_papers_experiment_is_found_in_a_picture_of_it() {
     assert_eq!(number(&run["duration"]), 27.0);
 }
 
-fn paper_scene() -> host::scene::Scene {
-    host::scene::Scene::from_json(&std::fs::read_to_string(PAPER).unwrap()).unwrap()
+fn paper_scene() -> wmr::scene::Scene {
+    wmr::scene::Scene::from_json(&std::fs::read_to_string(PAPER).unwrap()).unwrap()
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Arenas drawn in code (noise, a gradient of light, rotation, boxes anywhere) are found by both methods.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-use host::geometry::{Arena, Point, Rect};
-use host::vision::{DetectOptions, Detection, Method, Photo, detect};
 use proptest::prelude::*;
+use wmr::geometry::{Arena, Point, Rect};
+use wmr::vision::{DetectOptions, Detection, Method, Photo, detect};
 
 const ARENA: Arena = Arena { width: 1.6, height: 1.2 };
 /// Pixels per metre; edges are found to two pixels at 8 bit with noise, by the paper's method to four.

@@ -1,8 +1,8 @@
 //! Vision on ray-traced pictures whose truth is known.
 
-use host::geometry::{Arena, Rect};
-use host::vision::{DetectOptions, Method, decode, detect};
 use std::f64::consts::PI;
+use wmr::geometry::{Arena, Rect};
+use wmr::vision::{DetectOptions, Method, decode, detect};
 
 /// Two pixels of these pictures; boxes of 33 cm height lean by nothing in an orthographic view.
 const EDGE_TOLERANCE: f64 = 0.005;

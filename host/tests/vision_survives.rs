@@ -1,8 +1,8 @@
 //! Vision must answer or refuse whatever it is given: broken files and random pictures never panic.
 
-use host::geometry::Arena;
-use host::vision::{DetectOptions, Photo, decode, detect};
 use proptest::prelude::*;
+use wmr::geometry::Arena;
+use wmr::vision::{DetectOptions, Photo, decode, detect};
 
 const FILE: &[u8] = include_bytes!("../assets/demo.png");
 

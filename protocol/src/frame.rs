@@ -18,7 +18,7 @@ pub(crate) static CASTAGNOLI: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CR
 ///
 /// ```
 /// // The check value of the CRC catalogue.
-/// assert_eq!(protocol::frame::checksum(b"123456789"), 0xE306_9283);
+/// assert_eq!(wmr_protocol::frame::checksum(b"123456789"), 0xE306_9283);
 /// ```
 pub fn checksum(bytes: &[u8]) -> u32 {
     CASTAGNOLI.checksum(bytes)
@@ -64,7 +64,7 @@ pub enum FrameError {
 /// [`FrameError::TooLong`] if `out` or a frame is too short for it.
 ///
 /// ```
-/// use protocol::frame::*;
+/// use wmr_protocol::frame::*;
 /// let mut wire = [0; MAX_FRAME];
 /// let length = encode(&Header::default(), &7u8, &mut wire)?;
 /// assert_eq!(wire[length - 1], 0);

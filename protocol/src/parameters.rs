@@ -248,7 +248,7 @@ impl Parameters {
     /// Whether a robot can be driven with these numbers.
     ///
     /// ```
-    /// use protocol::{parameters::*, units::Metres};
+    /// use wmr_protocol::{parameters::*, units::Metres};
     /// let bad = Parameters { track: Metres(0.0), ..Parameters::default() };
     /// assert_eq!(bad.check(), Err(ParameterRefusal::OutOfRange { field: 2, value: 0.0 }));
     /// ```

@@ -106,7 +106,7 @@ pub struct LegResult {
 /// What both ends compute over a plan's legs in order, to know that they mean the same plan.
 ///
 /// ```
-/// assert_eq!(protocol::message::plan_digest(&[]), 0);
+/// assert_eq!(wmr_protocol::message::plan_digest(&[]), 0);
 /// ```
 pub fn plan_digest(legs: &[Leg]) -> u32 {
     let mut digest = CASTAGNOLI.digest();

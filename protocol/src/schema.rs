@@ -40,7 +40,7 @@ mod tests {
         let listed = std::fs::read_to_string(path).unwrap();
         assert!(
             drawn == listed,
-            "the types have changed; UPDATE_GOLDEN=1 cargo test -p protocol rewrites {path}"
+            "the types have changed; UPDATE_GOLDEN=1 cargo test -p wmr-protocol rewrites {path}"
         );
     }
 

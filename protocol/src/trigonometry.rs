@@ -17,7 +17,7 @@
 /// Angles that are not finite give some finite pair.
 ///
 /// ```
-/// let (sin, cos) = protocol::trigonometry::sin_cos(core::f32::consts::FRAC_PI_6);
+/// let (sin, cos) = wmr_protocol::trigonometry::sin_cos(core::f32::consts::FRAC_PI_6);
 /// assert!((sin - 0.5).abs() < 1e-7 && (cos - 0.866_025_4).abs() < 1e-7);
 /// ```
 pub fn sin_cos(angle: f32) -> (f32, f32) {

@@ -38,7 +38,7 @@ impl Radians {
     /// The same direction in (-π, π]; a half turn is +π, so that it is always driven the same way.
     ///
     /// ```
-    /// use protocol::units::Radians;
+    /// use wmr_protocol::units::Radians;
     /// use core::f32::consts::PI;
     /// assert_eq!(Radians(-PI).wrapped(), Radians(PI));
     /// assert!((Radians(7.0).wrapped().0 - (7.0 - 2.0 * PI)).abs() < 1e-6);

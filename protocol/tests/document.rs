@@ -1,17 +1,17 @@
 //! `PROTOCOL.md` says what the types say: its tables are drawn anew from them and compared.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p protocol --test document` rewrites them.
+//! `UPDATE_GOLDEN=1 cargo test -p wmr-protocol --test document` rewrites them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
-use protocol::frame::{Header, MAX_FRAME, encode};
-use protocol::message::*;
-use protocol::motion::*;
-use protocol::parameters::{ParameterRefusal, Parameters};
-use protocol::schema::SCHEMA_HASH;
-use protocol::session::WINDOW;
-use protocol::units::*;
 use serde::Serialize;
 use std::fmt::Write;
+use wmr_protocol::frame::{Header, MAX_FRAME, encode};
+use wmr_protocol::message::*;
+use wmr_protocol::motion::*;
+use wmr_protocol::parameters::{ParameterRefusal, Parameters};
+use wmr_protocol::schema::SCHEMA_HASH;
+use wmr_protocol::session::WINDOW;
+use wmr_protocol::units::*;
 
 const BEGIN: &str = "<!-- drawn from the types -->\n";
 const END: &str = "<!-- end -->\n";
@@ -31,7 +31,7 @@ fn the_tables_are_those_of_the_types() {
         std::fs::write(path(), [before, BEGIN, &drawn, END, after].concat()).unwrap();
         return;
     }
-    assert!(tables == drawn, "UPDATE_GOLDEN=1 cargo test -p protocol --test document\n{drawn}");
+    assert!(tables == drawn, "UPDATE_GOLDEN=1 cargo test -p wmr-protocol --test document\n{drawn}");
 }
 
 #[test]

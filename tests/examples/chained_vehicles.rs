@@ -1,11 +1,11 @@
 //! Steers a car (n = 4) and a car with a trailer (n = 5) and prints their ways.
 //!
 //! ```text
-//! cargo run --release -p tests --example chained_vehicles
+//! cargo run --release -p wmr-tests --example chained_vehicles
 //! ```
 
 use std::process::ExitCode;
-use tests::vehicles::{Car, CarWithTrailer, ChainedVehicle, steer};
+use wmr_tests::vehicles::{Car, CarWithTrailer, ChainedVehicle, steer};
 
 /// Rows are printed this far apart, s.
 const ROW: f64 = 0.5;

@@ -1,12 +1,12 @@
 //! The flashed ELF reset in the middle of its legs, in the emulator; some minutes for fifty times:
 //!
 //! ```text
-//! firmware/build && cargo run --release -p tests --example elf_resets -- 50
+//! firmware/build && cargo run --release -p wmr-tests --example elf_resets -- 50
 //! ```
 
 use std::path::Path;
 use std::process::ExitCode;
-use tests::elf_resets::{Resets, reset_often};
+use wmr_tests::elf_resets::{Resets, reset_often};
 
 const ELF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/firmware/pico.elf");
 

@@ -1,12 +1,12 @@
 //! Prints the controller's figures at the size promised; some minutes.
 //!
 //! ```text
-//! cargo run --release -p tests --example figures            all
-//! cargo run --release -p tests --example figures slip time  some
+//! cargo run --release -p wmr-tests --example figures            all
+//! cargo run --release -p wmr-tests --example figures slip time  some
 //! ```
 
 use std::process::ExitCode;
-use tests::figures::{self, Figure, Size};
+use wmr_tests::figures::{self, Figure, Size};
 
 type Measure = fn(Size) -> Vec<Figure>;
 

@@ -1,15 +1,15 @@
 //! The link's figures by the million, on virtual time:
 //!
 //! ```text
-//! cargo run --release -p tests --example link_figures -- --legs 1000000 --frames 100000000 --seed 1
+//! cargo run --release -p wmr-tests --example link_figures -- --legs 1000000 --frames 100000000 --seed 1
 //! ```
 //! Prints one line a figure and fails if one of them is not met.
 
 use hil_sim::wire::{Faults, Pace};
 use std::process::ExitCode;
 use std::time::Duration;
-use tests::damage::damage_frames;
-use tests::link::drive_many;
+use wmr_tests::damage::damage_frames;
+use wmr_tests::link::drive_many;
 
 fn main() -> ExitCode {
     let legs = argument("--legs").unwrap_or(1_000_000) as u32;

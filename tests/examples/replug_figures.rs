@@ -1,12 +1,12 @@
 //! Unplugging and plugging in again, in real time; some minutes for a thousand times:
 //!
 //! ```text
-//! cargo run --release -p tests --example replug_figures -- 1000
+//! cargo run --release -p wmr-tests --example replug_figures -- 1000
 //! ```
 
 use std::process::ExitCode;
 use std::time::Duration;
-use tests::replug::replug;
+use wmr_tests::replug::replug;
 
 /// A robot is back this soon after its cable.
 const BACK: Duration = Duration::from_secs(1);

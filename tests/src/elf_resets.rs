@@ -5,12 +5,12 @@ use crate::link::{ORIGIN, straight_legs};
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::{EmulatedPico, Fault};
 use hil_sim::simulation::Simulation;
-use host::link::mission::{Mission, MissionError, MissionEvent, Progress};
-use host::link::{LinkClient, LinkError};
 use protocol::message::ResetCause;
 use protocol::motion::{Leg, Pose};
 use std::path::Path;
 use std::time::Duration;
+use wmr::link::mission::{Mission, MissionError, MissionEvent, Progress};
+use wmr::link::{LinkClient, LinkError};
 
 /// A leg of 0.2 m takes 1.25 s.
 const STEP: f32 = 0.2;

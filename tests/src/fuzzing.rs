@@ -7,11 +7,11 @@ use crate::POLL;
 use crate::link::{Client, ORIGIN, STUCK, straight_legs, wired};
 use hil_sim::in_process::InProcess;
 use hil_sim::wire::{Fate, Faults, Pace};
-use host::link::LinkClient;
-use host::link::mission::{Mission, MissionEvent, Progress};
 use protocol::frame::{Decoder, MAX_FRAME, encode};
 use protocol::message::{Command, Report, State};
 use std::io::Write;
+use wmr::link::LinkClient;
+use wmr::link::mission::{Mission, MissionEvent, Progress};
 
 /// Reads `data` as the robot does and as the host does: whatever is read can be written, and is then
 /// read as the same.

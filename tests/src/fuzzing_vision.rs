@@ -3,8 +3,8 @@
 //! The first byte chooses between a file and a picture that the rest describes: its size, the arena,
 //! what the caller says, and rectangles of any colour under noise.
 
-use host::geometry::{Arena, Rect};
-use host::vision::{DetectOptions, Detection, Method, Photo, decode, detect};
+use wmr::geometry::{Arena, Rect};
+use wmr::vision::{DetectOptions, Detection, Method, Photo, decode, detect};
 
 /// A picture has at most so many pixels a side: larger ones are slow and find nothing else.
 const MOST_SIDE: usize = 192;

@@ -23,10 +23,10 @@ use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
 use hil_sim::simulation::{Brain, Simulation};
-use host::link::LinkClient;
-use host::link::mission::{Mission, MissionError, MissionEvent};
 use protocol::motion::{Leg, Pose};
 use std::time::Duration;
+use wmr::link::LinkClient;
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
 
 /// How often the host looks at its link.
 pub const POLL: Duration = Duration::from_millis(5);
@@ -64,7 +64,7 @@ pub fn drive<B: Brain>(
         if events.iter().any(|event| matches!(event, MissionEvent::Done(_))) {
             return Ok((events, client.into_port()));
         }
-        client.port_mut().wait(POLL).map_err(host::link::LinkError::from)?;
+        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
     }
     panic!("the mission did not end within {seconds} s: {:?}", events.last())
 }

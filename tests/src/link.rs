@@ -4,11 +4,11 @@ use crate::{POLL, simulated_robot};
 use hil_sim::in_process::InProcess;
 use hil_sim::simulation::Simulation;
 use hil_sim::wire::{Faults, Pace, Wire};
-use host::link::mission::{Mission, MissionEvent};
-use host::link::{LinkClient, LinkError};
 use protocol::message::{PauseReason, State};
 use protocol::motion::{Direction, Leg, Pose, Position, Timing};
 use std::time::Duration;
+use wmr::link::mission::{Mission, MissionEvent};
+use wmr::link::{LinkClient, LinkError};
 
 /// A host on a wire to a simulated robot.
 pub type Client = LinkClient<Simulation<InProcess>>;

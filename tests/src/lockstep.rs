@@ -3,12 +3,12 @@
 use crate::POLL;
 use hil_sim::lockstep::Lockstep;
 use hil_sim::simulation::Brain;
-use host::link::LinkClient;
-use host::link::mission::{Mission, MissionEvent};
 use protocol::motion::{Leg, Pose};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 use std::time::Duration;
+use wmr::link::LinkClient;
+use wmr::link::mission::{Mission, MissionEvent};
 
 /// Drives `legs` with `robot` on whatever answers at `stream`; where the robot believes it ended.
 ///

@@ -14,11 +14,11 @@ use crate::POLL;
 use crate::link::{Client, ORIGIN, STUCK, straight_legs, wired};
 use hil_sim::in_process::InProcess;
 use hil_sim::wire::{Fate, Faults, Pace};
-use host::link::LinkError;
-use host::link::mission::{Mission, MissionError, MissionEvent};
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Duration;
+use wmr::link::LinkError;
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
 
 /// What may befall a frame, for one of the budget.
 const FAULTS: [Fate; 3] = [Fate::Vanish, Fate::Double, Fate::Late(2)];

@@ -4,11 +4,11 @@ use crate::link::ORIGIN;
 use crate::simulated_robot;
 use hil_sim::pty::Pty;
 use hil_sim::realtime;
-use host::link::LinkClient;
-use host::link::reopening::Reopening;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
+use wmr::link::LinkClient;
+use wmr::link::reopening::Reopening;
 
 /// Nobody waits longer than this for a robot to be back.
 const TOO_LONG: Duration = Duration::from_secs(10);

@@ -9,7 +9,7 @@
 #[cfg(not(target_os = "none"))]
 fn main() {
     println!(
-        "This program runs in the emulator: cargo test -p tests --features elf --test elf_figures"
+        "This program runs in the emulator: cargo test -p wmr-tests --features elf --test elf_figures"
     );
 }
 

@@ -3,9 +3,9 @@
 use super::params::{self, Change};
 use super::quantity;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use host::geometry::Arena;
-use host::scene::Goal;
 use std::path::PathBuf;
+use wmr::geometry::Arena;
+use wmr::scene::Goal;
 
 /// What every command understands stands below its own options.
 const LAST: usize = 100;
@@ -114,7 +114,7 @@ pub(crate) enum CornersWord {
     /// Where the floor's corners are in the photo.
     InPhoto([[f64; 2]; 4]),
     /// How obstacles grow.
-    Grown(host::plan::Corners),
+    Grown(wmr::plan::Corners),
 }
 
 impl VisionArgs {
@@ -127,7 +127,7 @@ impl VisionArgs {
     }
 
     /// How obstacles grow, if it is said.
-    pub(crate) fn grown_corners(&self) -> Option<host::plan::Corners> {
+    pub(crate) fn grown_corners(&self) -> Option<wmr::plan::Corners> {
         self.corners.iter().rev().find_map(|word| match word {
             CornersWord::InPhoto(_) => None,
             CornersWord::Grown(corners) => Some(*corners),
@@ -186,7 +186,7 @@ pub(crate) struct WayArgs {
     pub(crate) cost: CostName,
     /// How obstacles grow; comes from --corners of the picture's options.
     #[arg(skip)]
-    pub(crate) corners: host::plan::Corners,
+    pub(crate) corners: wmr::plan::Corners,
     /// Side of a cell of a Moving AI map.
     #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
     pub(crate) resolution: f64,

@@ -13,15 +13,15 @@ use super::output::Output;
 use super::{params, quantity};
 use hil_sim::base::{BaseParameters, TruePose};
 use hil_sim::in_process::InProcess;
-use host::calibration::{BaseLengths, Calibration, Course, Run, calibrate, seen_from};
-use host::geometry::Pose;
-use host::legs::from_wire;
-use host::link::mission::{Mission, MissionError, MissionEvent};
-use host::link::{LinkClient, LinkError};
 use protocol::motion;
 use protocol::parameters::Parameters;
 use serde_json::{Value, json};
 use std::io;
+use wmr::calibration::{BaseLengths, Calibration, Course, Run, calibrate, seen_from};
+use wmr::geometry::Pose;
+use wmr::legs::from_wire;
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::{LinkClient, LinkError};
 
 const INSTRUCTIONS: &str = "\
 The robot drives six courses on free floor; after each you measure where it ended.
@@ -154,7 +154,7 @@ impl Floor {
         loop {
             self.output.ask("Where did it end? x,y,angle:");
             match quantity::place(&self.line()?) {
-                Ok(host::scene::Goal { position, heading: Some(heading) }) => {
+                Ok(wmr::scene::Goal { position, heading: Some(heading) }) => {
                     return Ok(Pose { position, heading });
                 }
                 Ok(_) => self.output.ask("the angle is missing, such as 12mm,-8mm,1.5\n"),

@@ -9,10 +9,10 @@ use super::detect::read_photo;
 use super::error::CliError;
 use super::folder::replace_file;
 use super::output::Output;
-use host::vision::{self, CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use wmr::vision::{self, CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 
 /// Sides of the arena, as they are counted.
 const SIDES: [&str; 4] = ["lower", "right", "upper", "left"];

@@ -10,8 +10,8 @@ use super::output::Output;
 use super::run::Driven;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
-use host::geometry::{Arena, Point};
-use host::scene::Goal;
+use wmr::geometry::{Arena, Point};
+use wmr::scene::Goal;
 
 /// A ray-traced picture of an arena with eight boxes and the robot.
 const PHOTO: &[u8] = include_bytes!("../../assets/demo.png");
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         radius: None,
         margin: None,
         cost: CostName::Length,
-        corners: host::plan::Corners::Square,
+        corners: wmr::plan::Corners::Square,
         resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,

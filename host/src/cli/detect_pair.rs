@@ -6,12 +6,12 @@ use super::error::CliError;
 use super::folder::Folder;
 use super::input::{self, SeenPhoto};
 use super::output::Output;
-use host::picture::stereo::pair_pictures;
-use host::vision::{self, DetectOptions, PairDetection};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
+use wmr::picture::stereo::pair_pictures;
+use wmr::vision::{self, DetectOptions, PairDetection};
 
 /// `wmr detect A B`.
 pub(super) fn run(args: &DetectArgs, second: &Path, output: Output) -> Result<(), CliError> {

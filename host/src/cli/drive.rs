@@ -9,8 +9,8 @@ use super::mission::{self, Resume, place};
 use super::output::Output;
 use super::run::{Driven, Run, count_of_legs};
 use super::way::{self, MarginRule, PlannedWay};
-use host::geometry::{Point, Pose};
 use protocol::motion::Limits;
+use wmr::geometry::{Point, Pose};
 
 /// `wmr drive`.
 pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {

@@ -6,12 +6,12 @@ use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::{InProcess, paper_robot};
 use hil_sim::simulation::{Brain, Simulation, Truth};
 use hil_sim::world::World;
-use host::geometry::Pose;
-use host::link::reopening::Reopening;
-use host::scene::Scene;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
+use wmr::geometry::Pose;
+use wmr::link::reopening::Reopening;
+use wmr::scene::Scene;
 
 /// A way to a robot, with the clock that goes with it.
 pub(crate) trait Endpoint: Read + Write {

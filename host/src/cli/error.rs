@@ -1,17 +1,17 @@
 //! What the command line says when something fails: what, why, and what to type next.
 
 use hil_sim::emulator::EmulatorError;
-use host::calibration::CalibrationError;
-use host::link::LinkError;
-use host::link::mission::MissionError;
-use host::link::parameters::ParameterError;
-use host::link::port::PortError;
-use host::plan::PlanError;
-use host::plan_file::PlanFileError;
-use host::scene::SceneError;
-use host::vision::VisionError;
 use serde_json::json;
 use std::fmt::Display;
+use wmr::calibration::CalibrationError;
+use wmr::link::LinkError;
+use wmr::link::mission::MissionError;
+use wmr::link::parameters::ParameterError;
+use wmr::link::port::PortError;
+use wmr::plan::PlanError;
+use wmr::plan_file::PlanFileError;
+use wmr::scene::SceneError;
+use wmr::vision::VisionError;
 
 /// How the program ends; other programs rely on the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,10 +5,10 @@ use super::error::CliError;
 use super::folder::write_file;
 use super::input::{self, Input, Sight};
 use super::output::Output;
-use host::map::CellMap;
-use host::scene::Scene;
 use serde_json::json;
 use std::path::PathBuf;
+use wmr::map::CellMap;
+use wmr::scene::Scene;
 
 /// The side of a cell that ROS maps of rooms have, metres.
 const ROS_RESOLUTION: f64 = 0.05;

@@ -4,12 +4,12 @@ use super::error::{CliError, Exit};
 use super::input::{Input, SeenPhoto};
 use super::run::Run;
 use super::way::PlannedWay;
-use host::legs::{from_wire, planned_poses};
-use host::picture;
-use host::picture::motion::{TimedPose, motion_svg};
-use host::picture::vision::NamedPicture;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use wmr::legs::{from_wire, planned_poses};
+use wmr::picture;
+use wmr::picture::motion::{TimedPose, motion_svg};
+use wmr::picture::vision::NamedPicture;
 
 /// An existing folder.
 #[derive(Debug)]

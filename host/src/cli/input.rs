@@ -2,16 +2,16 @@
 
 use super::args::{MethodName, VisionArgs};
 use super::error::{CliError, Exit};
-use host::geometry::Arena;
-use host::map::{CellMap, MapError, ros_image_name};
-use host::picture::vision::{NamedPicture, vision_pictures};
-use host::plan_file::PlanFile;
-use host::scene::{DEFAULT_ROBOT_RADIUS, Scene};
-use host::vision::{self, Camera, DetectOptions, Detection, Method};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
+use wmr::geometry::Arena;
+use wmr::map::{CellMap, MapError, ros_image_name};
+use wmr::picture::vision::{NamedPicture, vision_pictures};
+use wmr::plan_file::PlanFile;
+use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
+use wmr::vision::{self, Camera, DetectOptions, Detection, Method};
 
 /// What a file holds.
 #[derive(Debug)]

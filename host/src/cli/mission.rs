@@ -5,13 +5,13 @@ use super::error::{CliError, Exit};
 use super::output::Output;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
-use host::geometry::Pose;
-use host::link::mission::{Mission, MissionError, MissionEvent};
-use host::link::{LinkClient, PATIENCE};
 use protocol::message::{RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use wmr::geometry::Pose;
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::{LinkClient, PATIENCE};
 
 /// How often the link is looked at.
 pub(crate) const POLL: Duration = Duration::from_millis(2);
@@ -143,7 +143,7 @@ fn follow(
                 return Ok(());
             }
         }
-        client.port_mut().wait(POLL).map_err(host::link::LinkError::from)?;
+        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
     }
 }
 
@@ -191,7 +191,7 @@ fn hear(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliError> {
     while client.telemetry().is_none_or(rolls) {
         let now = client.port_mut().now();
         client.poll(now)?;
-        client.port_mut().wait(POLL).map_err(host::link::LinkError::from)?;
+        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
     }
     Ok(())
 }
@@ -207,7 +207,7 @@ pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Robo
         if interrupted() {
             return Err(interrupted_error("nothing has moved"));
         }
-        client.port_mut().wait(POLL).map_err(host::link::LinkError::from)?;
+        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
     }
 }
 

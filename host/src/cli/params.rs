@@ -5,11 +5,11 @@ use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
 use super::{mission, ports, quantity};
-use host::link::parameters::{Answer, Exchange, Request};
-use host::link::{LinkClient, LinkError};
 use protocol::parameters::{FIELDS, Parameters};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use wmr::link::parameters::{Answer, Exchange, Request};
+use wmr::link::{LinkClient, LinkError};
 
 /// A number to change: its place in [`FIELDS`], and what it becomes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,11 +7,11 @@ use super::output::Output;
 use super::run;
 use super::{mission, params};
 use hil_sim::base::TruePose;
-use host::legs;
-use host::link::{LinkClient, LinkError, port};
 use protocol::message::State;
 use serde_json::{Value, json};
 use std::time::Duration;
+use wmr::legs;
+use wmr::link::{LinkClient, LinkError, port};
 
 /// `wmr ports`.
 pub(crate) fn list(output: Output) -> Result<(), CliError> {

@@ -1,9 +1,9 @@
 //! Numbers with units as a person types them: metres and degrees, or with a suffix.
 
 use super::args::CornersWord;
-use host::geometry::{Arena, Point};
-use host::plan::Corners;
-use host::scene::Goal;
+use wmr::geometry::{Arena, Point};
+use wmr::plan::Corners;
+use wmr::scene::Goal;
 
 /// A suffix, and what its numbers become: divided, so that 1400mm is 1.4 and not the next number to it.
 type Unit = (&'static str, fn(f64) -> f64);

@@ -4,10 +4,10 @@ use super::args::WayArgs;
 use super::error::CliError;
 use super::input::Input;
 use super::way::{cost, microseconds, planner, with_radius};
-use host::grid::Margin;
-use host::plan::{PlanOptions, PreparedArena};
 use serde_json::{Value, json};
 use std::time::Instant;
+use wmr::grid::Margin;
+use wmr::plan::{PlanOptions, PreparedArena};
 
 /// Plans the queries of a scene; an answer or an error each, in their order.
 pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> {

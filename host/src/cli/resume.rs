@@ -16,15 +16,15 @@ use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::mission::place;
 use super::output::Output;
-use host::geometry::{Point, Pose};
-use host::legs::from_wire;
-use host::link::LinkClient;
-use host::link::mission::{Mission, Progress};
 use protocol::motion::{self, Leg};
 use serde::{Deserialize, Serialize};
 use std::env;
 use std::fs;
 use std::path::PathBuf;
+use wmr::geometry::{Point, Pose};
+use wmr::legs::from_wire;
+use wmr::link::LinkClient;
+use wmr::link::mission::{Mission, Progress};
 
 /// The rest of a leg may begin this far beside it: what plans for driving keep free beyond the
 /// robot's radius, metres.

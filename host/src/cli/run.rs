@@ -2,13 +2,13 @@
 //! clock.
 
 use super::error::CliError;
-use host::geometry::{Point, Pose};
-use host::legs::{from_wire, planned_end};
-use host::link::LinkStatistics;
-use host::link::mission::MissionEvent;
 use protocol::message::{LegResult, State, Telemetry};
 use protocol::motion::{self, Leg, Limits};
 use serde_json::{Value, json};
+use wmr::geometry::{Point, Pose};
+use wmr::legs::{from_wire, planned_end};
+use wmr::link::LinkStatistics;
+use wmr::link::mission::MissionEvent;
 
 /// What happened on the way.
 #[derive(Clone, Debug)]

@@ -13,12 +13,12 @@ use hil_sim::lockstep::{self, Lockstep, Pacing};
 use hil_sim::realtime;
 use hil_sim::simulation::{Brain, Truth};
 use hil_sim::tcp::TcpPort;
-use host::geometry::Pose;
 use serde_json::json;
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::time::Duration;
+use wmr::geometry::Pose;
 
 /// `wmr sim`.
 pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {

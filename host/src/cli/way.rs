@@ -4,15 +4,15 @@ use super::args::{CostName, PlannerName, TimingName, WayArgs};
 use super::error::{CliError, Exit};
 use super::input::Input;
 use super::output::Output;
-use host::geometry::Pose;
-use host::grid::Margin;
-use host::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use host::plan::{Cost, Plan, PlanError, PlanOptions, Planner, PreparedArena};
-use host::plan_file::{PlanFile, PlanTiming};
-use host::scene::{Goal, Scene};
 use protocol::motion::{Limits, Timing};
 use protocol::units::Seconds;
 use std::time::Instant;
+use wmr::geometry::Pose;
+use wmr::grid::Margin;
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
+use wmr::plan::{Cost, Plan, PlanError, PlanOptions, Planner, PreparedArena};
+use wmr::plan_file::{PlanFile, PlanTiming};
+use wmr::scene::{Goal, Scene};
 
 /// A way, and all that led to it.
 #[derive(Debug)]
@@ -151,7 +151,7 @@ fn with_grid(plan: Plan, scene: &Scene, (start, goal): (Pose, Goal), options: Pl
     }
     let options =
         PlanOptions { planner: Planner::Grid, margin: options.margin, ..PlanOptions::default() };
-    let grid = host::plan::plan(scene, start.position, goal.position, &options);
+    let grid = wmr::plan::plan(scene, start.position, goal.position, &options);
     Plan { grid: grid.ok().and_then(|plan| plan.grid), ..plan }
 }
 

@@ -25,13 +25,13 @@ impl BorderLines {
     /// [`GridError::TooManyAreas`] beyond [`AREA_LIMIT`].
     ///
     /// ```
-    /// use host::{geometry::Rect, grid::{BorderLines, Margin, enlarge}, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{BorderLines, Margin, enlarge}, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
     /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
     /// let lines = BorderLines::of(&enlarge(&scene, &Margin::default())?)?;
     /// assert_eq!(lines.xs, [0, 750, 3250, 6750, 9250, 10_000]);
     /// assert_eq!(lines.ys, [0, 750, 5750, 9250, 10_000]);
-    /// # Ok::<(), host::grid::GridError>(())
+    /// # Ok::<(), wmr::grid::GridError>(())
     /// ```
     pub fn of(arena: &EnlargedArena) -> Result<Self, GridError> {
         let edges = Occupancy::of(arena)?;

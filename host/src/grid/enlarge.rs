@@ -43,12 +43,12 @@ pub struct EnlargedArena {
 /// between the borders.
 ///
 /// ```
-/// use host::{geometry::Rect, grid::{LatticeRect, Margin, enlarge}, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticeRect, Margin, enlarge}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6));
 /// let arena = enlarge(&scene, &Margin::default())?;
 /// assert_eq!(arena.boxes, [LatticeRect::new(3250, 3250, 6750, 6750)]);
-/// # Ok::<(), host::grid::GridError>(())
+/// # Ok::<(), wmr::grid::GridError>(())
 /// ```
 pub fn enlarge(scene: &Scene, margin: &Margin) -> Result<EnlargedArena, GridError> {
     check(margin)?;

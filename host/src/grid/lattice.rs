@@ -35,7 +35,7 @@ impl LatticePoint {
     /// The lattice point nearest to `point`; `None` beyond [`COORDINATE_LIMIT`] or if not a number.
     ///
     /// ```
-    /// use host::{geometry::Point, grid::LatticePoint};
+    /// use wmr::{geometry::Point, grid::LatticePoint};
     /// assert_eq!(LatticePoint::nearest(Point::new(0.12, 1.0)), Some(LatticePoint::new(1200, 10_000)));
     /// ```
     pub fn nearest(point: Point) -> Option<Self> {
@@ -64,7 +64,7 @@ impl LatticePoint {
 /// Twice the signed area of the triangle: positive if `a`, `b`, `c` turn left, 0 if on one line.
 ///
 /// ```
-/// use host::grid::{LatticePoint, turn};
+/// use wmr::grid::{LatticePoint, turn};
 /// let [a, b, c] = [(0, 0), (2, 0), (2, 1)].map(|(x, y)| LatticePoint::new(x, y));
 /// assert_eq!(turn(a, b, c), 2);
 /// ```

@@ -62,7 +62,7 @@ impl MiniMatrix {
     /// [`GridError::TooManyAreas`] if the grid would not fit into memory.
     ///
     /// ```
-    /// use host::{geometry::Rect, grid::{Margin, MiniMatrix, enlarge}, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{Margin, MiniMatrix, enlarge}, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
     /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
     /// let matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
@@ -72,7 +72,7 @@ impl MiniMatrix {
     ///     [0, 1, 0, 1, 0],
     ///     [0, 0, 0, 0, 0],
     /// ]);
-    /// # Ok::<(), host::grid::GridError>(())
+    /// # Ok::<(), wmr::grid::GridError>(())
     /// ```
     pub fn from_borders(arena: &EnlargedArena) -> Result<Self, GridError> {
         let lines = BorderLines::of(arena)?;

@@ -17,13 +17,13 @@ const ALMOST_SURROUNDED: usize = 6;
 /// Closes traps until nothing changes and returns them in the order of closing.
 ///
 /// ```
-/// use host::{geometry::{Point, Rect}, grid::{Margin, MiniMatrix, close_traps, enlarge}, scene::Scene};
+/// use wmr::{geometry::{Point, Rect}, grid::{Margin, MiniMatrix, close_traps, enlarge}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5)); // leaves a dead end on either side
 /// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
 /// let closed: Vec<usize> = close_traps(&mut matrix).iter().map(|area| area.number()).collect();
 /// assert_eq!(closed[..2], [12, 14]);
-/// # Ok::<(), host::grid::GridError>(())
+/// # Ok::<(), wmr::grid::GridError>(())
 /// ```
 pub fn close_traps(matrix: &mut MiniMatrix) -> Vec<Area> {
     let mut closed = Vec::new();

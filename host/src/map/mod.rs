@@ -62,11 +62,11 @@ impl CellMap {
     /// rows, and equal runs of neighbouring rows are joined to one rectangle.
     ///
     /// ```
-    /// use host::{geometry::Rect, map::CellMap};
+    /// use wmr::{geometry::Rect, map::CellMap};
     /// let map = CellMap::from_movingai("type octile\nheight 2\nwidth 3\nmap\n.@@\n.@@\n", 0.5)?;
     /// let scene = map.to_scene(0.1);
     /// assert_eq!(scene.obstacles, [Rect::new(0.5, 0.0, 1.5, 1.0)]);
-    /// # Ok::<(), host::map::MapError>(())
+    /// # Ok::<(), wmr::map::MapError>(())
     /// ```
     pub fn to_scene(&self, robot_radius: f64) -> Scene {
         let size = |cells: usize| cells as f64 * self.resolution;
@@ -113,7 +113,7 @@ impl CellMap {
     /// part of its inside is blocked.
     ///
     /// ```
-    /// use host::{geometry::Rect, map::CellMap, scene::Scene};
+    /// use wmr::{geometry::Rect, map::CellMap, scene::Scene};
     /// let mut scene = Scene::new(0.3, 0.2);
     /// scene.obstacles.push(Rect::new(0.0, 0.0, 0.15, 0.1));
     /// let map = CellMap::from_scene(&scene, 0.1);

@@ -13,9 +13,9 @@ impl CellMap {
     /// [`MapError`] if a head line is missing or wrong or cells are missing.
     ///
     /// ```
-    /// let map = host::map::CellMap::from_movingai("type octile\nheight 1\nwidth 2\nmap\n.@\n", 1.0)?;
+    /// let map = wmr::map::CellMap::from_movingai("type octile\nheight 1\nwidth 2\nmap\n.@\n", 1.0)?;
     /// assert_eq!(map.blocked, [false, true]);
-    /// # Ok::<(), host::map::MapError>(())
+    /// # Ok::<(), wmr::map::MapError>(())
     /// ```
     pub fn from_movingai(text: &str, resolution: f64) -> Result<Self, MapError> {
         let (head, body) = text.split_once("\nmap").ok_or(MapError::Missing("map"))?;

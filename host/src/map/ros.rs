@@ -21,8 +21,8 @@ pub struct RosMap {
 /// [`MapError::Missing`] if it names none.
 ///
 /// ```
-/// assert_eq!(host::map::ros_image_name("image: \"depot.pgm\"\nresolution: 0.05")?, "depot.pgm");
-/// # Ok::<(), host::map::MapError>(())
+/// assert_eq!(wmr::map::ros_image_name("image: \"depot.pgm\"\nresolution: 0.05")?, "depot.pgm");
+/// # Ok::<(), wmr::map::MapError>(())
 /// ```
 pub fn ros_image_name(yaml: &str) -> Result<&str, MapError> {
     value(yaml, "image").ok_or(MapError::Missing("image"))
@@ -35,11 +35,11 @@ impl CellMap {
     /// [`MapError`] if a field is missing or wrong or the picture cannot be decoded.
     ///
     /// ```
-    /// use host::map::CellMap;
+    /// use wmr::map::CellMap;
     /// let yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0";
     /// let map = CellMap::from_ros(yaml, b"P5 3 1 255\n\x00\xfe\xcd")?;
     /// assert_eq!(map.blocked, [true, false, true]); // occupied, free, unknown
-    /// # Ok::<(), host::map::MapError>(())
+    /// # Ok::<(), wmr::map::MapError>(())
     /// ```
     pub fn from_ros(yaml: &str, picture: &[u8]) -> Result<Self, MapError> {
         let resolution = number(yaml, "resolution", None)?;
@@ -69,11 +69,11 @@ impl CellMap {
     /// Writes the map for ROS, with a picture that will be named `image`.
     ///
     /// ```
-    /// use host::map::CellMap;
+    /// use wmr::map::CellMap;
     /// let map = CellMap::from_movingai("type octile\nheight 1\nwidth 2\nmap\n.@\n", 0.5)?;
     /// let ros = map.to_ros("small.pgm");
     /// assert_eq!(CellMap::from_ros(&ros.yaml, &ros.pgm)?, map);
-    /// # Ok::<(), host::map::MapError>(())
+    /// # Ok::<(), wmr::map::MapError>(())
     /// ```
     pub fn to_ros(&self, image: &str) -> RosMap {
         let [x, y, heading] = self.origin;

@@ -23,7 +23,7 @@ const BELOW: f64 = 45.0;
 /// Draws the way covered and the heading over time, `planned` and `measured`, as one SVG.
 ///
 /// ```
-/// use host::{geometry::Pose, picture::motion::{TimedPose, motion_svg}};
+/// use wmr::{geometry::Pose, picture::motion::{TimedPose, motion_svg}};
 /// let at = |time, x| TimedPose { time, pose: Pose::new(x, 0.0, 0.0) };
 /// let svg = motion_svg(&[at(0.0, 0.0), at(1.0, 0.5)], &[at(0.0, 0.0), at(1.0, 0.49)]);
 /// assert!(svg.starts_with("<svg") && svg.contains("Displacement"));

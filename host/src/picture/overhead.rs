@@ -28,9 +28,9 @@ const SAMPLES: u32 = 4;
 /// [`ImageError`] if the picture cannot be written, as when it is too large.
 ///
 /// ```
-/// let scene = host::scene::Scene::new(1.0, 0.5);
-/// let png = host::picture::overhead::overhead_png(&scene, 100.0)?;
-/// let photo = host::vision::decode(&png).unwrap();
+/// let scene = wmr::scene::Scene::new(1.0, 0.5);
+/// let png = wmr::picture::overhead::overhead_png(&scene, 100.0)?;
+/// let photo = wmr::vision::decode(&png).unwrap();
 /// assert_eq!((photo.width(), photo.height()), (128, 78)); // 0.14 m more on each side
 /// # Ok::<(), image::ImageError>(())
 /// ```

@@ -53,7 +53,7 @@ impl Svg {
     /// An empty picture of `width` × `height` pixels below a strip with `title` and `subtitle`.
     ///
     /// ```
-    /// let mut svg = host::picture::svg::Svg::new(200.0, 100.0, "Areas", "none < one");
+    /// let mut svg = wmr::picture::svg::Svg::new(200.0, 100.0, "Areas", "none < one");
     /// svg.circle((20.0, 80.0), 5.0, "start");
     /// assert!(svg.finish(&[]).contains("none &lt; one"));
     /// ```

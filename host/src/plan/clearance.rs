@@ -9,7 +9,7 @@ use crate::scene::Scene;
 /// metres; 0 if it touches or crosses one, negative beyond the border.
 ///
 /// ```
-/// use host::{geometry::{Point, Rect}, plan::clearance, scene::Scene};
+/// use wmr::{geometry::{Point, Rect}, plan::clearance, scene::Scene};
 /// let mut scene = Scene::new(2.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.9, 0.0, 1.1, 0.5));
 /// let path = [Point::new(0.3, 0.7), Point::new(1.7, 0.7)];

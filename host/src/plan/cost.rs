@@ -32,7 +32,7 @@ impl Cost {
     /// The cost of driving `length` metres straight on.
     ///
     /// ```
-    /// use host::{legs::DEFAULT_LIMITS, plan::Cost};
+    /// use wmr::{legs::DEFAULT_LIMITS, plan::Cost};
     /// assert_eq!(Cost::Length.of_leg(1.5), 1.5);
     /// // 1/0.4 s at 0.4 m/s, π 0.4 / 1.6 s for the ramps at 0.8 m/s², in whole ticks of 5 ms.
     /// assert_eq!(Cost::Time(DEFAULT_LIMITS).of_leg(1.0), 3.29);

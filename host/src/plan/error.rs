@@ -98,7 +98,7 @@ impl PlanError {
     /// A short name of the kind of error, for programs.
     ///
     /// ```
-    /// assert_eq!(host::plan::PlanError::NoPath { gap: None }.code(), "no_path");
+    /// assert_eq!(wmr::plan::PlanError::NoPath { gap: None }.code(), "no_path");
     /// ```
     pub fn code(&self) -> &'static str {
         match self {

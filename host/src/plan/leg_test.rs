@@ -39,7 +39,7 @@ impl LegTest {
     /// Whether the straight leg from `a` to `b` is free.
     ///
     /// ```
-    /// use host::{geometry::Rect, grid::{LatticePoint, Margin, enlarge}, plan::LegTest, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, enlarge}, plan::LegTest, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
     /// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6));
     /// let arena = enlarge(&scene, &Margin::default())?;
@@ -48,7 +48,7 @@ impl LegTest {
     /// assert!(test.is_free(low, high));
     /// assert!(test.is_free(edge, LatticePoint::new(9000, 3250))); // along the box
     /// assert!(!test.is_free(low, LatticePoint::new(9000, 9000))); // through it
-    /// # Ok::<(), host::grid::GridError>(())
+    /// # Ok::<(), wmr::grid::GridError>(())
     /// ```
     pub fn is_free(&self, a: LatticePoint, b: LatticePoint) -> bool {
         if !(self.inside.contains(a) && self.inside.contains(b)) {

@@ -24,7 +24,7 @@ pub(super) fn exit_point(
 /// The points of the way through `areas`: start, entry and exit points, goal.
 ///
 /// ```
-/// use host::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
 /// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
@@ -33,7 +33,7 @@ pub(super) fn exit_point(
 /// let path = plan::shortest_path(&matrix, ends, (start, goal)).unwrap();
 /// let points = plan::entry_exit_points(&matrix, &path.areas, start, goal);
 /// assert_eq!(points[1], LatticePoint::new(3250, 5750));
-/// # Ok::<(), host::grid::GridError>(())
+/// # Ok::<(), wmr::grid::GridError>(())
 /// ```
 pub fn entry_exit_points(
     matrix: &MiniMatrix,

@@ -113,13 +113,13 @@ pub struct Plan {
 /// from one to the other.
 ///
 /// ```
-/// use host::{geometry::{Point, Rect}, plan::{PlanOptions, plan}, scene::Scene};
+/// use wmr::{geometry::{Point, Rect}, plan::{PlanOptions, plan}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
 /// let plan = plan(&scene, Point::new(0.1, 0.1), Point::new(0.9, 0.1), &PlanOptions::default())?;
 /// assert_eq!(plan.waypoints[1], Point::new(0.325, 0.575)); // past the grown box's corner
 /// assert_eq!(plan.waypoints.len(), 4);
-/// # Ok::<(), host::plan::PlanError>(())
+/// # Ok::<(), wmr::plan::PlanError>(())
 /// ```
 pub fn plan(
     scene: &Scene,

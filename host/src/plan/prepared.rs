@@ -48,7 +48,7 @@ impl<'a> PreparedArena<'a> {
     /// [`PlanError::Grid`] if the arena cannot be cut.
     ///
     /// ```
-    /// use host::{geometry::Point, plan::{PlanOptions, PreparedArena}, scene::Scene};
+    /// use wmr::{geometry::Point, plan::{PlanOptions, PreparedArena}, scene::Scene};
     /// let (scene, options) = (Scene::new(2.0, 1.0), PlanOptions::default());
     /// let mut arena = PreparedArena::new(&scene, &options)?;
     /// let lengths: Vec<f64> = [0.5, 1.5]
@@ -56,7 +56,7 @@ impl<'a> PreparedArena<'a> {
     ///     .into_iter()
     ///     .collect::<Result<_, _>>()?;
     /// assert_eq!(lengths, [0.0, 1.0]);
-    /// # Ok::<(), host::plan::PlanError>(())
+    /// # Ok::<(), wmr::plan::PlanError>(())
     /// ```
     pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
         let arena = enlarge(scene, &options.margin)?;

@@ -63,7 +63,7 @@ impl PathTree {
 /// `limit` nodes.
 ///
 /// ```
-/// use host::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
 /// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6)); // a ring of eight areas around it
 /// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
@@ -71,7 +71,7 @@ impl PathTree {
 /// let ends = (matrix.mark_terminal(start).unwrap(), matrix.mark_terminal(goal).unwrap());
 /// let tree = plan::global_paths(&matrix, ends, (start, goal), plan::NODE_LIMIT);
 /// assert_eq!((tree.arrivals.len(), tree.cut), (2, 0)); // above the box and below it
-/// # Ok::<(), host::grid::GridError>(())
+/// # Ok::<(), wmr::grid::GridError>(())
 /// ```
 pub fn global_paths(
     matrix: &MiniMatrix,

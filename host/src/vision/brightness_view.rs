@@ -21,7 +21,7 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 /// Where the photo is at least twice as fine as the view a cell is the mean of several places, at most 4 × 4.
 ///
 /// ```
-/// use host::{geometry::Arena, vision::{Photo, PlanFrame, PlanMap, brightness_view}};
+/// use wmr::{geometry::Arena, vision::{Photo, PlanFrame, PlanMap, brightness_view}};
 /// // 100 pixels a metre, the left half white.
 /// let pixels = (0..100 * 100).map(|i| if i % 100 < 50 { [255; 3] } else { [0; 3] });
 /// let photo = Photo::from_rgb(100, 100, pixels.collect())?;
@@ -30,7 +30,7 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 /// let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
 /// let view = brightness_view(&photo, &map, &PlanFrame { arena, scale: 10.0, margin: 0.0 });
 /// assert_eq!(view.row(3), [255, 255, 255, 255, 255, 0, 0, 0, 0, 0]);
-/// # Ok::<(), host::vision::VisionError>(())
+/// # Ok::<(), wmr::vision::VisionError>(())
 /// ```
 pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raster<u8> {
     let middle = Point::new(frame.arena.width / 2.0, frame.arena.height / 2.0);

@@ -103,8 +103,8 @@ pub struct Detection {
 /// A refusal that says what was measured, what is needed and what to do: see [`VisionError`].
 ///
 /// ```
-/// use host::geometry::{Arena, Rect};
-/// use host::vision::{DetectOptions, Photo, detect};
+/// use wmr::geometry::{Arena, Rect};
+/// use wmr::vision::{DetectOptions, Photo, detect};
 /// // 100 pixels a metre: a dark frame around 2.0 × 1.2 m of floor with one box.
 /// let pixels = (0..240 * 160).map(|i| {
 ///     let (x, y) = (i % 240, i / 240);
@@ -119,7 +119,7 @@ pub struct Detection {
 /// for (found, drawn) in [(x0, 0.4), (y0, 0.6), (x1, 0.8), (y1, 1.0)] {
 ///     assert!((found - drawn).abs() < 0.005);
 /// }
-/// # Ok::<(), host::vision::VisionError>(())
+/// # Ok::<(), wmr::vision::VisionError>(())
 /// ```
 pub fn detect(
     photo: &Photo,

@@ -10,7 +10,7 @@ use super::raster::Raster;
 /// The outermost rows and columns, where the operator does not fit, are 0.
 ///
 /// ```
-/// use host::vision::{Raster, edge_magnitude};
+/// use wmr::vision::{Raster, edge_magnitude};
 /// let step = Raster::from_fn(4, 3, |x, _| if x < 2 { 0 } else { 10 });
 /// assert_eq!(edge_magnitude(&step).row(1), [0, 40, 40, 0]);
 /// ```
@@ -43,7 +43,7 @@ pub fn edge_magnitude(brightness: &Raster<u8>) -> Raster<u16> {
 /// The average filter: every cell becomes the mean of its 3 × 3 neighbourhood, rounded down.
 ///
 /// ```
-/// use host::vision::{Raster, average_filter};
+/// use wmr::vision::{Raster, average_filter};
 /// let dot = Raster::from_fn(3, 3, |x, y| if (x, y) == (1, 1) { 90 } else { 0 });
 /// assert_eq!(average_filter(&dot).row(1), [0, 10, 0]);
 /// ```
@@ -72,7 +72,7 @@ pub fn average_filter(values: &Raster<u16>) -> Raster<u16> {
 /// The mean of the histogram: Σ value · count / Σ count.
 ///
 /// ```
-/// use host::vision::{Raster, histogram_mean};
+/// use wmr::vision::{Raster, histogram_mean};
 /// assert_eq!(histogram_mean(&Raster::from_fn(2, 2, |x, _| x as u16 * 10)), 5.0);
 /// ```
 pub fn histogram_mean(values: &Raster<u16>) -> f64 {
@@ -83,7 +83,7 @@ pub fn histogram_mean(values: &Raster<u16>) -> f64 {
 /// The cells above `level`: the edges, white on black.
 ///
 /// ```
-/// use host::vision::{Raster, threshold};
+/// use wmr::vision::{Raster, threshold};
 /// let edges = threshold(&Raster::from_fn(3, 1, |x, _| x as u16 * 10), 5.0);
 /// assert_eq!(edges.cells(), [false, true, true]);
 /// ```
@@ -95,7 +95,7 @@ pub fn threshold(values: &Raster<u16>, level: f64) -> Raster<bool> {
 /// The colours reversed: white areas between black edges.
 ///
 /// ```
-/// use host::vision::{Raster, invert};
+/// use wmr::vision::{Raster, invert};
 /// assert_eq!(invert(&Raster::from_fn(2, 1, |x, _| x == 0)).cells(), [false, true]);
 /// ```
 pub fn invert(edges: &Raster<bool>) -> Raster<bool> {

@@ -35,7 +35,7 @@ const STRONGEST: f64 = 0.995;
 /// [`VisionError::Dark`], [`VisionError::Overexposed`] or [`VisionError::Blurred`], with what was measured.
 ///
 /// ```
-/// use host::vision::{Photo, VisionError, check_picture};
+/// use wmr::vision::{Photo, VisionError, check_picture};
 /// let night = Photo::from_rgb(64, 64, vec![[5; 3]; 64 * 64])?;
 /// assert_eq!(check_picture(&night), Err(VisionError::Dark { measured: 5, needed: 25 }));
 /// # Ok::<(), VisionError>(())

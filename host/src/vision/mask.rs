@@ -24,7 +24,7 @@ pub struct Segment {
 /// The segments of one row or column: each lies between a pair of value changes.
 ///
 /// ```
-/// use host::vision::{Segment, segments};
+/// use wmr::vision::{Segment, segments};
 /// let found = segments([false, true, true, false, true].into_iter());
 /// assert_eq!(found, [Segment { start: 1, end: 3 }, Segment { start: 4, end: 5 }]);
 /// ```
@@ -54,7 +54,7 @@ pub fn segments(line: impl Iterator<Item = bool>) -> Vec<Segment> {
 /// may then be planned for as a point.
 ///
 /// ```
-/// use host::vision::{ObstacleMask, Raster, enlarge};
+/// use wmr::vision::{ObstacleMask, Raster, enlarge};
 /// let cells = Raster::from_fn(7, 7, |x, y| x == 3 && y == 3);
 /// let grown = enlarge(&ObstacleMask { cells, scale: 100.0 }, 0.01);
 /// assert_eq!(grown.cells.row(2), [true, false, true, true, true, false, true]);
@@ -92,7 +92,7 @@ pub fn enlarge(mask: &ObstacleMask, radius: f64) -> ObstacleMask {
 /// The borders of the obstacles: obstacle cells beside a floor cell.
 ///
 /// ```
-/// use host::vision::{ObstacleMask, Raster, obstacle_borders};
+/// use wmr::vision::{ObstacleMask, Raster, obstacle_borders};
 /// let cells = Raster::from_fn(5, 5, |x, y| (1..4).contains(&x) && (1..4).contains(&y));
 /// let borders = obstacle_borders(&ObstacleMask { cells, scale: 1.0 });
 /// assert_eq!(borders.row(2), [false, true, false, true, false]);

@@ -46,7 +46,7 @@ pub struct PaperSteps {
 /// in metres.
 ///
 /// ```
-/// use host::vision::{Raster, paper_steps};
+/// use wmr::vision::{Raster, paper_steps};
 /// let view = Raster::from_fn(40, 30, |x, y| if (15..25).contains(&x) && (10..20).contains(&y) { 30 } else { 230 });
 /// let steps = paper_steps(view, 100.0, 0.02);
 /// assert_eq!(steps.obstacles.cells.cells().iter().filter(|&&obstacle| obstacle).count(), 100);
@@ -77,7 +77,7 @@ pub fn paper_steps(brightness: Raster<u8>, scale: f64, radius: f64) -> PaperStep
 /// The brightness of linear light as sRGB codes (ITU-R BT.709 weights).
 ///
 /// ```
-/// use host::vision::{Raster, brightness};
+/// use wmr::vision::{Raster, brightness};
 /// assert_eq!(brightness(&Raster::filled(1, 1, [1.0, 1.0, 1.0])).cells(), [255]);
 /// ```
 pub fn brightness(view: &Raster<[f32; 3]>) -> Raster<u8> {
@@ -87,7 +87,7 @@ pub fn brightness(view: &Raster<[f32; 3]>) -> Raster<u8> {
 /// The obstacles in the brightness of a plan view: all the paper's steps up to the mask, keeping none.
 ///
 /// ```
-/// use host::vision::{Raster, paper_obstacles};
+/// use wmr::vision::{Raster, paper_obstacles};
 /// let view = Raster::from_fn(40, 30, |x, y| if (15..25).contains(&x) && (10..20).contains(&y) { 30 } else { 230 });
 /// let obstacles = paper_obstacles(&view);
 /// assert_eq!((obstacles.get(15, 10), obstacles.get(14, 10)), (Some(true), Some(false)));
@@ -103,7 +103,7 @@ pub fn paper_obstacles(brightness: &Raster<u8>) -> Raster<bool> {
 /// edges' own cells that are not.
 ///
 /// ```
-/// use host::vision::{Raster, detect_obstacles};
+/// use wmr::vision::{Raster, detect_obstacles};
 /// let brightness = Raster::from_fn(9, 1, |x, _| if (3..6).contains(&x) { 20 } else { 240 });
 /// let areas = Raster::from_fn(9, 1, |x, _| x != 3 && x != 5);
 /// let row = [false, false, false, true, true, true, false, false, false];

@@ -36,7 +36,7 @@ pub struct Photo {
 /// [`VisionError::TooSmall`] below 64 pixels in either direction.
 ///
 /// ```
-/// assert!(host::vision::decode(b"no picture").is_err());
+/// assert!(wmr::vision::decode(b"no picture").is_err());
 /// ```
 pub fn decode(bytes: &[u8]) -> Result<Photo, VisionError> {
     let failed = |error: &dyn std::fmt::Display| VisionError::Decode { reason: error.to_string() };
@@ -69,10 +69,10 @@ impl Photo {
     /// number of pixels is not `width` × `height`.
     ///
     /// ```
-    /// use host::vision::Photo;
+    /// use wmr::vision::Photo;
     /// let grey = Photo::from_rgb(64, 64, vec![[128; 3]; 64 * 64])?;
     /// assert!((grey.light([10.0, 10.0])[0] - 0.2159).abs() < 1e-4);
-    /// # Ok::<(), host::vision::VisionError>(())
+    /// # Ok::<(), wmr::vision::VisionError>(())
     /// ```
     pub fn from_rgb(
         width: usize,
@@ -216,7 +216,7 @@ fn linear_light(code: usize) -> f32 {
 /// The sRGB code (0 to 255) of a linear light between 0 and 1.
 ///
 /// ```
-/// assert_eq!(host::vision::srgb_code(0.2159), 128);
+/// assert_eq!(wmr::vision::srgb_code(0.2159), 128);
 /// ```
 pub fn srgb_code(light: f32) -> u8 {
     let light = f64::from(light).clamp(0.0, 1.0);

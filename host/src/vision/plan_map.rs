@@ -154,7 +154,7 @@ pub(crate) fn corner_points(arena: Arena) -> [[f64; 2]; 4] {
 /// The homography that takes four points to four others; `None` if three of them are in line.
 ///
 /// ```
-/// use host::vision::homography;
+/// use wmr::vision::homography;
 /// let unit = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 /// let moved = unit.map(|[x, y]| [2.0 * x + 5.0, 3.0 * y]);
 /// let matrix = homography(unit, moved).unwrap();

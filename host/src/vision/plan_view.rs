@@ -27,7 +27,7 @@ impl PlanFrame {
     /// The number of columns and rows.
     ///
     /// ```
-    /// use host::{geometry::Arena, vision::PlanFrame};
+    /// use wmr::{geometry::Arena, vision::PlanFrame};
     /// let arena = Arena { width: 2.0, height: 1.0 };
     /// let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
     /// assert_eq!(frame.size(), (220, 120));

@@ -21,7 +21,7 @@ impl<T: Copy> Raster<T> {
     /// A grid whose cell at column x and row y is `value(x, y)`.
     ///
     /// ```
-    /// use host::vision::Raster;
+    /// use wmr::vision::Raster;
     /// let sums = Raster::from_fn(3, 2, |x, y| x + y);
     /// assert_eq!(sums.row(1), [1, 2, 3]);
     /// ```
@@ -96,7 +96,7 @@ impl Raster<bool> {
     /// the region of every cell (0 for a cell that is not wanted) and how many regions there are.
     ///
     /// ```
-    /// use host::vision::Raster;
+    /// use wmr::vision::Raster;
     /// let mask = Raster::from_fn(3, 1, |x, _| x != 1);
     /// let (regions, count) = mask.regions(true);
     /// assert_eq!((regions.cells(), count), (&[1, 0, 2][..], 2));
@@ -115,7 +115,7 @@ impl Raster<bool> {
     /// indices of the cell before and after the step.
     ///
     /// ```
-    /// use host::vision::Raster;
+    /// use wmr::vision::Raster;
     /// let start = Raster::from_fn(4, 1, |x, _| x == 0);
     /// let grown = start.grown(|_, next| next != 2);
     /// assert_eq!(grown.cells(), [true, true, false, false]);

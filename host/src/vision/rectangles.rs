@@ -30,7 +30,7 @@ pub struct CellRect {
 /// Covers the true cells with rectangles; what gains less than `least` cells is left out.
 ///
 /// ```
-/// use host::vision::{CellRect, Raster, rectangles};
+/// use wmr::vision::{CellRect, Raster, rectangles};
 /// let mask = Raster::from_fn(10, 8, |x, y| (2..6).contains(&x) && (1..7).contains(&y));
 /// assert_eq!(rectangles(&mask, 4.0), [CellRect { x0: 2, y0: 1, x1: 6, y1: 7 }]);
 /// ```

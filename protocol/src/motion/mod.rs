@@ -162,7 +162,7 @@ impl Pose {
     /// Where one stands who goes `step`, as seen from here: self ∘ step.
     ///
     /// ```
-    /// use protocol::motion::Pose;
+    /// use wmr_protocol::motion::Pose;
     /// // Looking along +y, one metre ahead is one metre up.
     /// let end = Pose::new(1.0, 0.0, core::f32::consts::FRAC_PI_2).then(Pose::new(1.0, 0.0, 0.1));
     /// assert!((end.x.0 - 1.0).abs() < 1e-6 && (end.y.0 - 1.0).abs() < 1e-6);

@@ -46,7 +46,7 @@ impl Profile {
     /// e = D/V + πV/(2A). Rounded up to whole ticks.
     ///
     /// ```
-    /// use protocol::{motion::{Limits, Profile}, units::*};
+    /// use wmr_protocol::{motion::{Limits, Profile}, units::*};
     /// let limits = Limits {
     ///     speed: MetresPerSecond(0.4),
     ///     acceleration: MetresPerSecondSquared(0.8),

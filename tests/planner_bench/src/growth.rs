@@ -1,9 +1,9 @@
 //! How the build time grows with the number of boxes.
 
 use crate::micros;
-use host::geometry::Rect;
-use host::plan::{PlanOptions, PreparedArena};
-use host::scene::Scene;
+use wmr::geometry::Rect;
+use wmr::plan::{PlanOptions, PreparedArena};
+use wmr::scene::Scene;
 use std::time::Instant;
 
 /// Times each arena is built.

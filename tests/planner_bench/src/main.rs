@@ -19,8 +19,8 @@ mod peers;
 mod rows;
 mod slabs;
 
-use host::plan::{PlanOptions, PreparedArena};
-use host::scene::Scene;
+use wmr::plan::{PlanOptions, PreparedArena};
+use wmr::scene::Scene;
 use std::time::Instant;
 
 /// Times each query is repeated on a built structure.

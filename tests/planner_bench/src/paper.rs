@@ -1,8 +1,8 @@
 //! How far from the shortest way the paper's two modes end, arena by arena.
 
 use crate::median;
-use host::plan::{PlanOptions, Planner, PreparedArena};
-use host::scene::Scene;
+use wmr::plan::{PlanOptions, Planner, PreparedArena};
+use wmr::scene::Scene;
 
 /// Prints length / exact of the grid and of the tree over the queries of each scene.
 pub fn print(files: &[String]) {

@@ -1,8 +1,8 @@
 //! The crates that the planner is measured against.
 
 use crate::Measured;
-use host::geometry::Rect;
-use host::scene::Scene;
+use wmr::geometry::Rect;
+use wmr::scene::Scene;
 use polyanya::{Mesh, Triangulation};
 
 /// The obstacles grown by the radius, cut off at the shrunk border, and that border.
@@ -85,7 +85,7 @@ impl Cells {
         for b in boxes {
             for y in cell(b.y0)..=cell(b.y1) {
                 for x in cell(b.x0)..=cell(b.x1) {
-                    if b.contains(host::geometry::Point::new(centre(x), centre(y))) {
+                    if b.contains(wmr::geometry::Point::new(centre(x), centre(y))) {
                         blocked[(y * width + x) as usize] = true;
                     }
                 }

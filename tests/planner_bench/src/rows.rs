@@ -3,9 +3,9 @@
 //! Points are integer corners of cells, y counted down from the top; lengths are in cells.
 
 use crate::{median, micros};
-use host::geometry::Point;
-use host::map::CellMap;
-use host::plan::{PlanOptions, PreparedArena};
+use wmr::geometry::Point;
+use wmr::map::CellMap;
+use wmr::plan::{PlanOptions, PreparedArena};
 use std::time::Instant;
 
 struct Row {

@@ -1,7 +1,7 @@
 //! The free floor cut into rectangles by vertical lines, as a mesh for `polyanya`: of its three recipes
 //! the one that is built quickest. A sweep of its own, so that the peer owes nothing to the planner.
 
-use host::geometry::Rect;
+use wmr::geometry::Rect;
 use polyanya::{Mesh, Polygon, Vertex};
 
 /// The mesh of what `boxes` leave of `inside`; metres with the planner's resolution of 0.1 mm.

@@ -4,10 +4,10 @@ use super::bench::{Bench, normal};
 use super::{Figure, Size};
 use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose};
-use host::calibration::{BaseLengths, Course, Run, calibrate};
-use host::geometry::Pose;
-use host::legs::from_wire;
 use protocol::motion;
+use wmr::calibration::{BaseLengths, Course, Run, calibrate};
+use wmr::geometry::Pose;
+use wmr::legs::from_wire;
 
 /// What is wrong: scale, wheel ratio and track.
 const WRONG: [f64; 3] = [1.01, 1.005, 1.02];

@@ -4,7 +4,7 @@
 //! `cargo test`, or as promised, by
 //!
 //! ```text
-//! cargo run --release -p tests --example figures
+//! cargo run --release -p wmr-tests --example figures
 //! ```
 
 pub mod accuracy;

@@ -31,9 +31,9 @@ use embassy_rp::pwm::Pwm;
 use embassy_rp::uart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_rp::watchdog::Watchdog;
 use embassy_rp::{adc, bind_interrupts, clocks, pio, pwm, usb};
-use firmware::robot::Sensors;
 use protocol::message;
 use static_cell::StaticCell;
+use wmr_firmware::robot::Sensors;
 
 use crate::encoders::{self, Encoder};
 use crate::motors::{Direction, Motors};

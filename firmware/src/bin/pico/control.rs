@@ -6,11 +6,11 @@ use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::{Duration, Instant, Timer};
-use firmware::parameter_store::Slot;
-use firmware::parameters::Parameters;
-use firmware::robot::{Boot, Port, Robot};
 use protocol::message::Reboot;
 use protocol::motion::TICK_MILLISECONDS;
+use wmr_firmware::parameter_store::Slot;
+use wmr_firmware::parameters::Parameters;
+use wmr_firmware::robot::{Boot, Port, Robot};
 
 use crate::board::{self, BOARD, Base};
 use crate::store::Store;

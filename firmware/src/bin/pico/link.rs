@@ -15,10 +15,10 @@ use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender,
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, Config, UsbDevice};
 use embedded_io_async::{Read, Write};
-use firmware::robot::{Port, Robot};
 use portable_atomic::{AtomicBool, Ordering};
 use protocol::frame::MAX_FRAME;
 use static_cell::StaticCell;
+use wmr_firmware::robot::{Port, Robot};
 
 /// Raspberry Pi's vendor number with the product number it gives to serial ports of users' programs.
 const USB_VENDOR_PRODUCT: (u16, u16) = (0x2e8a, 0x000a);

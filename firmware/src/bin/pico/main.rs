@@ -1,4 +1,4 @@
-//! The robot on a Raspberry Pi Pico or Pico 2: tasks and pins around [`firmware::robot::Robot`].
+//! The robot on a Raspberry Pi Pico or Pico 2: tasks and pins around [`wmr_firmware::robot::Robot`].
 //!
 //! ```text
 //! UART ─┐                 pipes                 ┌─ encoders, battery

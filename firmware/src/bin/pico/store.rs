@@ -5,7 +5,7 @@
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, ERASE_SIZE, Flash};
 use embassy_rp::peripherals::FLASH;
-use firmware::parameter_store::{RECORD_SIZE, Slot, Step};
+use wmr_firmware::parameter_store::{RECORD_SIZE, Slot, Step};
 
 /// Bytes of flash on the board.
 #[cfg(target_abi = "eabihf")]

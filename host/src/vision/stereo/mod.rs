@@ -78,8 +78,8 @@ pub struct PairSteps {
 /// cannot show heights: parallel rays, cameras side by side, or pictures of two arenas.
 ///
 /// ```
-/// use host::geometry::{Arena, Point, Rect};
-/// use host::vision::{Camera, CameraModel, DetectOptions, Photo, VisionError, detect_pair};
+/// use wmr::geometry::{Arena, Point, Rect};
+/// use wmr::vision::{Camera, CameraModel, DetectOptions, Photo, VisionError, detect_pair};
 /// // Two cameras 2.5 m above a floor of 1.6 × 1.2 m, a box of 0.3 × 0.2 m on it, 0.3 m tall.
 /// let camera = |x: f64| Camera {
 ///     model: CameraModel::Perspective,
