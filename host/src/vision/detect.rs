@@ -37,6 +37,9 @@ const LINED_SIDES: usize = 3;
 /// A border that fits worse than this many pixels is worth a warning.
 const ROUGH_BORDER: f64 = 0.8;
 
+/// What to say of lines that were taken for floor.
+const FLOOR_LINES: &str = "thin lines from one side of the arena to the other are taken for lines on the floor: if they are walls, the plan goes through them";
+
 /// How obstacles are told from the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
@@ -143,7 +146,10 @@ pub fn detect(
         None => Viewpoint::of(photo, &map),
     };
     let found = match options.method {
-        Method::Paper => Found { boxes: paper_rectangles(photo, &map, arena, top), leans: None },
+        Method::Paper => {
+            let boxes = paper_rectangles(photo, &map, arena, top);
+            Found { boxes, leans: None, has_lines: false }
+        }
         Method::Robust => robust::find(photo, &map, look, top, viewpoint),
     };
     let robot = top.map(|top| {
@@ -151,6 +157,7 @@ pub fn detect(
         robot_pose(photo, &map, options, viewpoint, top)
     });
     let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
+    warnings.extend(found.has_lines.then(|| FLOOR_LINES.into()));
     let sought = options.camera.is_none() && options.corners.is_none();
     if sought && lined_sides(&rects, arena) >= LINED_SIDES {
         return Err(VisionError::OddBorder { arena });

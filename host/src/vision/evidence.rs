@@ -258,7 +258,7 @@ fn soft_shadow(
 }
 
 /// The cells within `reach` columns and rows of a marked one.
-fn widened(mask: &Raster<bool>, reach: i64) -> Raster<bool> {
+pub(super) fn widened(mask: &Raster<bool>, reach: i64) -> Raster<bool> {
     let along = |mask: &Raster<bool>, (i, j): (i64, i64)| {
         Raster::from_fn(mask.width(), mask.height(), |column, row| {
             (-reach..=reach)

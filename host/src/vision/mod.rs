@@ -27,6 +27,7 @@ mod brightness_view;
 mod camera;
 mod camera_fit;
 mod candidates;
+mod cover;
 mod detect;
 mod disc;
 mod edges;
@@ -59,6 +60,7 @@ mod shadow;
 mod sharpen;
 mod sides;
 mod stereo;
+mod uncovered;
 mod viewpoint;
 
 pub use brightness_view::brightness_view;

@@ -16,6 +16,7 @@ use super::proposals::proposals;
 use super::robot::RobotTop;
 use super::shadow::Shadow;
 use super::sharpen::{Bounded, Sharpener};
+use super::uncovered::Explained;
 use super::viewpoint::Viewpoint;
 use crate::geometry::{Point, Rect};
 
@@ -35,6 +36,8 @@ pub(crate) struct Found {
     pub(crate) boxes: Vec<Bounded>,
     /// Whether they lean; unknown without boxes.
     pub(crate) leans: Option<bool>,
+    /// Whether thin lines from side to side were taken for lines on the floor.
+    pub(crate) has_lines: bool,
 }
 
 /// Finds the boxes.
@@ -68,7 +71,7 @@ pub(crate) fn find(
         }
     }
     let Some(Reading { shadow, evidence, scene: first, .. }) = best else {
-        return Found { boxes: Vec::new(), leans: None };
+        return Found { boxes: Vec::new(), leans: None, has_lines: false };
     };
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
@@ -157,10 +160,20 @@ impl Picture<'_> {
         let outline = |seen: &LeaningBox| seen.bounds(scene.foot.unwrap_or(middle));
         let seen =
             scene.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), self.look));
-        let boxes = seen.map(|seen| tools.sharpen(seen)).filter(|bounded| {
-            !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
-        });
-        Found { boxes: boxes.collect(), leans: scene.leans }
+        let (outlines, mut boxes): (Vec<LeaningBox>, Vec<Bounded>) = seen
+            .map(|seen| {
+                let bounded = tools.sharpen(seen);
+                (LeaningBox { base: bounded.rect, ..seen }, bounded)
+            })
+            .filter(|(_, bounded)| {
+                !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
+            })
+            .unzip();
+        let Scene { foot, lamp, leans, .. } = scene;
+        let (look, robot) = (self.look, self.robot);
+        let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
+        let has_lines = explained.complete(&mut boxes);
+        Found { boxes, leans, has_lines }
     }
 
     fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
