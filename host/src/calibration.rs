@@ -21,7 +21,7 @@ mod course;
 
 pub use course::Course;
 
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle};
 use course::Move;
 use nalgebra::{DVector, Matrix3, Vector3};
 use protocol::parameters::Parameters;
@@ -142,7 +142,7 @@ fn errors(used: &BaseLengths, lengths: &BaseLengths, runs: &[Run]) -> DVector<f6
         let turn = end.heading - run.measured.heading;
         let (dx, dy) =
             (end.position.x - run.measured.position.x, end.position.y - run.measured.position.y);
-        [dx, dy, HEADING_ARM * turn.sin().atan2(turn.cos())]
+        [dx, dy, HEADING_ARM * wrap_angle(turn)]
     });
     DVector::from_iterator(3 * runs.len(), errors)
 }

@@ -4,6 +4,7 @@
 //! [`protocol::motion`] and the conversion is in one place, the legs.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 
 /// A point of the arena, metres. In JSON: `[x, y]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,9 +123,37 @@ impl From<Pose> for [f64; 3] {
     }
 }
 
+/// The same direction in (-π, π], radians; a half turn is +π.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use wmr::geometry::wrap_angle;
+/// assert_eq!(wrap_angle(-PI), PI);
+/// assert!((wrap_angle(7.0) - (7.0 - 2.0 * PI)).abs() < 1e-12);
+/// ```
+pub fn wrap_angle(angle: f64) -> f64 {
+    if angle > -PI && angle <= PI {
+        return angle;
+    }
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_wrapped_angle_is_the_same_direction_within_a_half_turn(angle in -1e4..1e4) {
+            let wrapped = wrap_angle(angle);
+            prop_assert!(wrapped > -PI && wrapped <= PI);
+            // Rounding of the angle itself, at 1e4.
+            prop_assert!((wrapped.sin() - angle.sin()).abs() < 1e-9);
+            prop_assert!((wrapped.cos() - angle.cos()).abs() < 1e-9);
+        }
+    }
 
     #[test]
     fn distance_to_a_rectangle_is_measured_to_its_nearest_edge_or_corner() {

@@ -5,7 +5,7 @@
 //! half turns. At a waypoint without a wanted heading the last turn is empty, and the next leg's
 //! first turn does the work of both.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, wrap_angle};
 use protocol::message::plan_digest;
 use protocol::motion::{self, Direction, Leg, Limits, Position, Timing};
 use protocol::units::{Metres, MetresPerSecond, MetresPerSecondSquared, Radians, Seconds};
@@ -64,7 +64,7 @@ pub fn to_legs(
         way.push(only);
     }
     let Some(&first) = way.first() else { return Vec::new() };
-    let start = motion::Pose::new(first.x as f32, first.y as f32, wrapped(heading));
+    let start = motion::Pose::new(first.x as f32, first.y as f32, wrap_angle(heading) as f32);
     // The quickest way to have arrived by each direction: its time and its legs.
     let mut ways = vec![Way { ticks: 0, pose: start, legs: Vec::new() }];
     let directions: &[Direction] = if options.reverse {
@@ -84,7 +84,8 @@ pub fn to_legs(
                             index: (index - 1) as u16,
                             start: way.pose,
                             goal: Position::new(goal.x as f32, goal.y as f32),
-                            goal_heading: wanted.map(|heading| Radians(wrapped(heading)).wrapped()),
+                            goal_heading: wanted
+                                .map(|heading| Radians(wrap_angle(heading) as f32).wrapped()),
                             direction: *direction,
                             timing: options.timing,
                         },
@@ -131,12 +132,6 @@ pub fn planned_poses(legs: &[Leg], limits: &Limits) -> Vec<(f64, Pose)> {
 /// A robot's pose in the host's numbers.
 pub fn from_wire(pose: motion::Pose) -> Pose {
     Pose::new(pose.x.0.into(), pose.y.0.into(), pose.heading.0.into())
-}
-
-/// A heading of any size within one turn, so that f32 can hold it.
-fn wrapped(heading: f64) -> f32 {
-    let within = heading.abs() <= std::f64::consts::PI;
-    (if within { heading } else { heading.sin().atan2(heading.cos()) }) as f32
 }
 
 struct Way {

@@ -5,7 +5,7 @@ use super::error::CliError;
 use protocol::message::{LegResult, State, Telemetry};
 use protocol::motion::{self, Leg, Limits};
 use serde_json::{Value, json};
-use wmr::geometry::{Point, Pose};
+use wmr::geometry::{Point, Pose, wrap_angle};
 use wmr::legs::{from_wire, planned_end};
 use wmr::link::LinkStatistics;
 use wmr::link::mission::MissionEvent;
@@ -174,9 +174,7 @@ const REACHED_POSITION: f64 = 0.0075;
 const REACHED_HEADING: f64 = 0.035;
 
 fn difference(goal: Pose, pose: Pose) -> (f64, f64) {
-    let turn =
-        (pose.heading - goal.heading + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU);
-    (Point::distance(goal.position, pose.position), (turn - std::f64::consts::PI).abs())
+    (goal.position.distance(pose.position), wrap_angle(pose.heading - goal.heading).abs())
 }
 
 /// `1 leg` or `3 legs`.

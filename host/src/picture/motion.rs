@@ -2,7 +2,7 @@
 //! [Alghannam, Sec. V]. Seconds across; metres and degrees up.
 
 use super::svg::{Svg, Swatch, TITLE_HEIGHT};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle};
 
 /// Where the robot was, or was to be, at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,12 +62,11 @@ fn displacement(poses: &[TimedPose]) -> Series {
 
 /// Headings without the jump at a half turn, degrees.
 fn headings(poses: &[TimedPose]) -> Series {
-    use std::f64::consts::{PI, TAU};
     let mut last = poses.first().map_or(0.0, |first| first.pose.heading);
     poses
         .iter()
         .map(|TimedPose { time, pose }| {
-            last += (pose.heading - last + PI).rem_euclid(TAU) - PI;
+            last += wrap_angle(pose.heading - last);
             (*time, last.to_degrees())
         })
         .collect()

@@ -1,20 +1,14 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
-use super::arena::{self, check_arena, given};
-use super::border_light;
-use super::camera::Camera;
-use super::error::VisionError;
-use super::faults::check_overview;
-use super::implausible::lined_sides;
-use super::look::Look;
-use super::paper_method::{Steps, paper_rectangles, steps};
-use super::photo::Photo;
-use super::plan_map::PlanMap;
-use super::robot::{self, RobotTop};
-use super::robust::{self, Found};
-use super::sharpen::Bounded;
-use super::viewpoint::Viewpoint;
 use crate::geometry::{Arena, Point, Pose, Rect};
+use crate::vision::appearance::Look;
+use crate::vision::border::{self, check_arena, given};
+use crate::vision::boxes::{self, Bounded, Found, lined_sides};
+use crate::vision::camera::{Camera, PlanMap, Viewpoint};
+use crate::vision::error::VisionError;
+use crate::vision::image::{Photo, check_overview};
+use crate::vision::paper::{Steps, paper_rectangles, steps};
+use crate::vision::robot::{self, RobotTop};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
 const PAPER_RADIUS: f64 = 0.075;
@@ -150,7 +144,7 @@ pub fn detect(
             let boxes = paper_rectangles(photo, &map, arena, top);
             Found { boxes, leans: None, has_lines: false }
         }
-        Method::Robust => robust::find(photo, &map, look, top, viewpoint),
+        Method::Robust => boxes::find(photo, &map, look, top, viewpoint),
     };
     let robot = top.map(|top| {
         let viewpoint = viewpoint.filter(|_| leans(&found, top, options));
@@ -206,7 +200,7 @@ fn locate(
     if let Some(corners) = options.corners {
         return Ok((given(photo, arena, corners)?, 1.0));
     }
-    let border = arena::find(photo, &small, arena)?;
+    let border = border::find(photo, &small, arena)?;
     warnings.extend(rough_border(border.residual));
     Ok((border.map, border.score))
 }
@@ -270,7 +264,7 @@ fn hard_floor(spread: f32, shadow: Option<f32>) -> Option<String> {
 
 /// How clearly the border is seen where a map has it, 0 to 1: on all sides but the least clear one.
 fn border_seen(photo: &Photo, map: &PlanMap, arena: Arena) -> f64 {
-    let mut shown = border_light::shown(photo, map, arena);
+    let mut shown = border::shown(photo, map, arena);
     shown.sort_by(f64::total_cmp);
     shown[1]
 }

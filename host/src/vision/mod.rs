@@ -1,13 +1,28 @@
 //! Finds the arena, the obstacles and the robot in an overhead picture [Alghannam, Sec. II].
 //!
 //! ```text
-//! bytes ─► photo ─► lines ─► quads ─► border ─► plan map ─► look (floor, shadow) ─► robot
-//!                                        ▲                    │
-//!                          camera, corners                    ├─► paper steps (edges … borders) ─► rectangles
-//!                                                             └─► evidence ─► boxes (lean, lamp) ─► sharpen
-//!                                                                                               │
-//!                                                    Detection: metres, with margins ◄──────────┘
+//! bytes ─► photo ─► lines ─► quads ─► border ─► floor map ─► plan view ─► floor and shadow ─► robot
+//!                                        ▲                                     │
+//!                          camera, corners                                     ├─► paper's steps ─► rectangles
+//!                                                                              └─► evidence ─► boxes ─► refined edges
+//!                                                                                                       │
+//!                                                    Detection: metres, with margins ◄── what is left ◄─┘
 //! ```
+//! The folders stand in the order of the flow; each names only those above it:
+//!
+//! | folder | holds |
+//! |---|---|
+//! | `image` | photo, rasters, connected components, rectangles, edge profiles, faults of a picture; no metres |
+//! | `camera` | where a floor point is in the photo: camera model, floor map, camera pose, fit to the border's edges |
+//! | `plan_view` | the floor seen straight from above |
+//! | `appearance` | what floor and shadow look like, and which cells are neither |
+//! | `border` | lines, quads, the choice of the border, the light along its sides |
+//! | `robot` | the robot's top and its heading |
+//! | `boxes` | obstacles from one picture: evidence, search, refined edges with margins, and what no box explains |
+//! | `stereo` | obstacles and their heights from two pictures |
+//! | `calibrate` | a camera from pictures of the arena's border |
+//! | `paper` | the paper's own steps |
+//!
 //! [`detect`] is the whole flow; each of the paper's steps is a function of its own
 //! ([`brightness_view`], [`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],
 //! [`detect_obstacles`], [`enlarge`], [`obstacle_borders`]), usable alone. Pixels never leave this module
@@ -17,65 +32,30 @@
 //! `python3 host/benches/vision_peer.py SCENES` compares time with an OpenCV baseline on the same pictures,
 //! and shows time and memory over the size of the photo.
 
-mod align;
-mod arena;
-mod balance;
+mod appearance;
 mod border;
-mod border_light;
 mod boxes;
-mod brightness_view;
+mod calibrate;
 mod camera;
-mod camera_fit;
-mod candidates;
-mod cover;
 mod detect;
-mod disc;
-mod edges;
 mod error;
-mod evidence;
-mod faults;
-mod floor;
-mod implausible;
-mod lamp;
-mod lattice;
-mod leaning;
-mod lines;
-mod look;
-mod mask;
-mod merging;
+mod image;
 mod paper;
-mod paper_method;
-mod photo;
-mod plan_map;
 mod plan_view;
-mod profile;
-mod proposals;
-mod quads;
-mod raster;
-mod rectangles;
 mod robot;
-mod robust;
-mod runs;
-mod shadow;
-mod sharpen;
-mod sides;
 mod stereo;
-mod uncovered;
-mod viewpoint;
 
-pub use brightness_view::brightness_view;
-pub use camera::{Camera, CameraModel, CameraSpread};
-pub use camera_fit::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
+pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
+pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
 pub use detect::{DetectOptions, Detection, Method, detect};
-pub use edges::{average_filter, edge_magnitude, histogram_mean, invert, threshold};
 pub use error::VisionError;
-pub use faults::check_picture;
-pub use mask::{ObstacleMask, Segment, enlarge, obstacle_borders, segments};
-pub use paper::{PaperSteps, brightness, detect_obstacles, paper_obstacles, paper_steps};
-pub use paper_method::Steps;
-pub use photo::{MAX_PIXELS, Photo, decode, srgb_code};
-pub use plan_map::{PlanMap, homography};
-pub use plan_view::{PlanFrame, plan_view};
-pub use raster::Raster;
-pub use rectangles::{CellRect, rectangles};
+pub use image::{
+    CellRect, MAX_PIXELS, Photo, Raster, check_picture, decode, rectangles, srgb_code,
+};
+pub use paper::{
+    ObstacleMask, PaperSteps, Segment, Steps, average_filter, brightness, detect_obstacles,
+    edge_magnitude, enlarge, histogram_mean, invert, obstacle_borders, paper_obstacles,
+    paper_steps, segments, threshold,
+};
+pub use plan_view::{PlanFrame, brightness_view, plan_view};
 pub use stereo::{PairDetection, PairSteps, RaisedBox, detect_pair};

@@ -4,11 +4,11 @@
 //! Highlights move with the camera and so disagree too, but smoothly: what can be reached from agreeing
 //! floor without crossing an edge of the difference is floor. What is raised has an edge all around.
 
-use super::super::floor::{Feature, median};
-use super::super::plan_view::PlanFrame;
-use super::super::raster::Raster;
 use super::pair::{on_floor, raster};
 use crate::geometry::{Arena, Point};
+use crate::vision::appearance::{Feature, median};
+use crate::vision::image::Raster;
+use crate::vision::plan_view::PlanFrame;
 
 /// The least spread of differences between the pictures (brightness, chroma, chroma).
 const LEAST_SPREAD: Feature = [0.02, 0.012, 0.012];

@@ -11,7 +11,7 @@
 //! Brightness obeys d = a − c₁ ρ₁² + c₂ ρ₂², chroma d = a. Highlights, which move with the camera, and
 //! boxes differ otherwise: they count less and less (Geman and McClure's weight).
 
-use super::super::floor::{Feature, median};
+use crate::vision::appearance::{Feature, median};
 use nalgebra::{Matrix3, Vector3};
 
 const ROUNDS: usize = 10;

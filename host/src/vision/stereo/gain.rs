@@ -11,13 +11,13 @@
 //! the box and the other the floor behind it, they disagree as surely as the box does not look like floor:
 //! the colours count as far as they do. Shadow and highlight of any shape are thereby no box.
 
-use super::super::floor::Feature;
-use super::super::leaning::{Face, LeaningBox};
-use super::super::raster::Raster;
 use super::disagreement::stray;
 use super::pair::Pair;
 use super::raised::RaisedBox;
 use crate::geometry::{Point, Rect};
+use crate::vision::appearance::Feature;
+use crate::vision::boxes::{Face, LeaningBox};
+use crate::vision::image::Raster;
 
 /// How far a cell may be off its face's colour, and off the same place's in the other picture.
 const FACE_SPREAD: Feature = [0.40, 0.16, 0.16];

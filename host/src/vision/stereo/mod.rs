@@ -22,16 +22,14 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use super::camera::Camera;
-use super::detect::{DetectOptions, Detection, check, upright};
-use super::error::VisionError;
-use super::faults::check_picture;
-use super::look::Look;
-use super::photo::Photo;
-use super::plan_view::{PlanFrame, plan_view};
-use super::raster::Raster;
-use super::robot::{self, RobotTop};
-use crate::geometry::{Arena, Point, Pose};
+use crate::geometry::{Arena, Point, Pose, wrap_angle};
+use crate::vision::appearance::Look;
+use crate::vision::camera::Camera;
+use crate::vision::detect::{DetectOptions, Detection, check, upright};
+use crate::vision::error::VisionError;
+use crate::vision::image::{Photo, Raster, check_picture};
+use crate::vision::plan_view::{PlanFrame, plan_view};
+use crate::vision::robot::{self, RobotTop};
 use pair::{Pair, Sight};
 pub use raised::RaisedBox;
 use refine::refine;
@@ -213,7 +211,7 @@ fn robot_pose(sights: &[Sight; 2], options: &DetectOptions) -> Option<Pose> {
             let (p, q) = (first.position, second.position);
             let half_turn = 0.5 * (second.heading - first.heading).sin();
             let position = Point::new((p.x + q.x) / 2.0, (p.y + q.y) / 2.0);
-            Some(Pose { position, heading: robot::wrapped(first.heading + half_turn) })
+            Some(Pose { position, heading: wrap_angle(first.heading + half_turn) })
         }
         _ => Some(first),
     }

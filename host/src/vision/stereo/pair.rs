@@ -1,19 +1,16 @@
 //! Two pictures on one plan view, with exposure, white balance and vignetting of their cameras cancelled.
 //!
-//! Colours are those of [`super::super::floor`].
+//! Colours are those of [`crate::vision::appearance::floor`].
 
-use super::super::evidence::Evidence;
-use super::super::floor::{Feature, feature};
-use super::super::look::Look;
-use super::super::photo::Photo;
-use super::super::plan_map::PlanMap;
-use super::super::plan_view::{PlanFrame, plan_view};
-use super::super::raster::Raster;
-use super::super::robot::RobotTop;
-use super::super::viewpoint::Viewpoint;
 use super::disagreement::{disagreement, local_mean};
 use super::exposure::{Exposure, Sample};
 use crate::geometry::{Arena, Point};
+use crate::vision::appearance::{Feature, Look, feature};
+use crate::vision::boxes::Evidence;
+use crate::vision::camera::{PlanMap, Viewpoint};
+use crate::vision::image::{Photo, Raster};
+use crate::vision::plan_view::{PlanFrame, plan_view};
+use crate::vision::robot::RobotTop;
 
 /// Cells per metre at most, and cells along the longer side at most.
 const SCALE: f64 = 130.0;

@@ -1,8 +1,8 @@
 //! A box that stands on the floor, and how cameras at known places see it.
 
-use super::super::leaning::LeaningBox;
-use super::super::viewpoint::Viewpoint;
 use crate::geometry::Rect;
+use crate::vision::boxes::LeaningBox;
+use crate::vision::camera::Viewpoint;
 
 /// No box is taller than this share of the lower camera's height.
 const TALLEST: f64 = 0.4;

@@ -13,15 +13,13 @@
 //! badly counts less (Tukey's biweight). The search's result is a weak prior, so that an edge that is
 //! seen nowhere stays where it is. The normal matrix says how far each edge may be off.
 
-use super::super::leaning::LeaningBox;
-use super::super::photo::Photo;
-use super::super::plan_map::PlanMap;
-use super::super::profile::step;
-use super::super::sharpen::at;
 use super::gain::{LEAST_HEIGHT, MOST_HEIGHT};
 use super::pair::Sight;
 use super::raised::{RaisedBox, lean};
 use crate::geometry::{Arena, Point, Rect};
+use crate::vision::boxes::{LeaningBox, at};
+use crate::vision::camera::PlanMap;
+use crate::vision::image::{Photo, step};
 use nalgebra::{SMatrix, SVector};
 
 /// Profiles along each edge, and the share of it that they stay away from its ends.

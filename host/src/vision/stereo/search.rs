@@ -1,11 +1,10 @@
 //! The boxes that explain two pictures best: found one by one, improved, then improved together.
 
-use super::super::raster::Raster;
-use super::super::rectangles::{CellRect, rectangles};
 use super::gain::{Canvas, LEAST_HEIGHT, MOST_HEIGHT, overlap};
 use super::pair::Pair;
 use super::raised::RaisedBox;
 use crate::geometry::Rect;
+use crate::vision::image::{CellRect, Raster, rectangles};
 
 /// Heights that candidates start with, metres.
 const HEIGHTS: [f64; 9] = [0.06, 0.10, 0.14, 0.18, 0.23, 0.28, 0.34, 0.40, 0.48];

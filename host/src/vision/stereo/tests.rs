@@ -1,8 +1,8 @@
 //! Pairs of pictures drawn in code: boxes on a grained floor with painted shadow, seen by two cameras.
 
-use super::super::camera::CameraModel;
 use super::*;
 use crate::geometry::Rect;
+use crate::vision::camera::CameraModel;
 use proptest::prelude::*;
 
 const ARENA: Arena = Arena { width: 1.6, height: 1.2 };
@@ -69,7 +69,7 @@ fn drawn(camera: &Camera, boxes: &[RaisedBox], shadow: Rect, exposure: f64) -> P
             .map(|(i, j)| light(eye, map.to_floor([column + i, row + j]), boxes, shadow))
             .sum();
         let noise = 0.008 * (random.f64() - 0.5);
-        [super::super::photo::srgb_code((exposure * sum / 4.0 + noise) as f32); 3]
+        [crate::vision::image::srgb_code((exposure * sum / 4.0 + noise) as f32); 3]
     });
     Photo::from_rgb(SIZE[0], SIZE[1], pixels.collect()).unwrap()
 }

@@ -1,0 +1,189 @@
+//! The plan view judged cell by cell: how far is each from the floor's colour?
+//!
+//! Everything after this works on it: the robot is sought in it, obstacles are what differs.
+
+use super::floor::{Difference, Feature, FloorModel, feature, sample_step};
+use super::shadow::{self, Residuals, Shadow};
+use crate::geometry::{Arena, Point};
+use crate::vision::camera::PlanMap;
+use crate::vision::image::{Photo, Raster};
+use crate::vision::plan_view::{PlanFrame, view_of};
+
+/// The plan view is no finer than this, cells along the longer side.
+const MOST_CELLS: f64 = 620.0;
+/// How far the plan view reaches beyond the arena, share of the shorter side.
+const MARGIN_SHARE: f64 = 0.12;
+/// How far the colours reach at least beyond the arena, metres: the robot's top leans over its sides.
+const VIEW_MARGIN: f64 = 0.05;
+/// To find the robot a floor model of every so many-th sample is good enough.
+const ROUGH_FLOOR: usize = 3;
+/// Shadow and highlights are sought with about this many cells along the longer side.
+const COARSE_CELLS: f64 = 220.0;
+/// A colour within this many standard deviations of the floor's is surely floor.
+pub(crate) const SURE: f32 = 2.5;
+/// A colour this many standard deviations off the floor's is not floor.
+pub(crate) const FOREIGN: f32 = 6.0;
+
+/// A plan view's colours and the floor's.
+pub(crate) struct Look {
+    /// The plan view with all that may hide parts of the arena.
+    pub(crate) frame: PlanFrame,
+    /// The part of it that is looked at, and its colours.
+    pub(crate) view: PlanFrame,
+    pub(crate) features: Raster<Feature>,
+    pub(crate) floor: FloorModel,
+    /// What shadow may look like, likeliest first; the floor's is one of them.
+    shadows: Vec<Shadow>,
+    /// Unknown if only the robot is looked for.
+    bright: Option<Bright>,
+}
+
+/// Where bright floor was found, by coarse cells.
+struct Bright {
+    coarse: Coarse,
+    cells: Raster<bool>,
+}
+
+impl Look {
+    /// Looks at the arena through a map; `None` if no floor colour can be learnt.
+    pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
+        let mut look = Self::of(photo, map, arena, f64::INFINITY, 1)?;
+        let coarse = Coarse::of(&look.view, &look.features, &look.floor);
+        look.shadows = shadow::find(&look.floor, &coarse.view);
+        look.floor.shadow = look.shadows.first().copied();
+        let cells = shadow::highlights(&look.floor, &coarse.view, SURE);
+        Some(Self { bright: Some(Bright { coarse, cells }), ..look })
+    }
+
+    /// Looks no closer than `scale` cells a metre and not for shadow: enough to find the robot.
+    pub(crate) fn no_finer(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64) -> Option<Self> {
+        Self::of(photo, map, arena, scale, ROUGH_FLOOR)
+    }
+
+    /// Looks with at most `scale` cells a metre; every `stride`-th of the usual samples makes the floor's
+    /// model.
+    fn of(photo: &Photo, map: &PlanMap, arena: Arena, scale: f64, stride: usize) -> Option<Self> {
+        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+        let most = MOST_CELLS / arena.width.max(arena.height);
+        let scale = map.scale_at(middle).min(most).min(scale);
+        let frame =
+            PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
+        // Whole cells are left out, so that those of the view are cells of the frame.
+        let left_out = ((frame.margin - VIEW_MARGIN) * scale).floor().max(0.0) / scale;
+        let view = PlanFrame { margin: frame.margin - left_out, ..frame };
+        let features = view_of(photo, map, &view, feature);
+        let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
+        Some(Self { frame, view, features, floor, shadows: Vec::new(), bright: None })
+    }
+
+    /// What shadow may look like, likeliest first: one reading at least, of none if there is none.
+    pub(crate) fn readings(&self) -> Vec<Option<Shadow>> {
+        if self.shadows.is_empty() {
+            return vec![None];
+        }
+        self.shadows.iter().copied().map(Some).collect()
+    }
+
+    /// Whether the centre of a cell lies on the arena.
+    pub(crate) fn on_arena(&self, column: usize, row: usize) -> bool {
+        let point = self.view.point(column as f64, row as f64);
+        let arena = self.view.arena;
+        point.x > 0.0 && point.y > 0.0 && point.x < arena.width && point.y < arena.height
+    }
+
+    /// Whether a point belongs to floor that is lit or brighter than the model.
+    pub(crate) fn is_bright_floor(&self, point: Point) -> bool {
+        let Some(Bright { coarse, cells }) = &self.bright else { return false };
+        let (column, row) = self.view.cell(point);
+        let cell = coarse.cell(column.round().max(0.0) as usize, row.round().max(0.0) as usize);
+        cell.is_some_and(|cell| cells.cells()[cell])
+    }
+
+    /// The colour at a floor point, of the cell that holds it.
+    pub(crate) fn seen_at(&self, point: Point) -> Option<Feature> {
+        let (column, row) = self.view.cell(point);
+        self.features.get(column.round() as i64, row.round() as i64)
+    }
+
+    /// The difference at a floor point, of the cell that holds it.
+    pub(crate) fn difference_at(&self, point: Point) -> Option<Difference> {
+        let (column, row) = self.view.cell(point);
+        let middle = self.view.point(column.round(), row.round());
+        let difference = self.floor.difference(middle, self.seen_at(point)?);
+        Some(if self.is_bright_floor(point) { difference.at_most(1.0) } else { difference })
+    }
+}
+
+/// The view of the arena alone, each cell the mean of several.
+struct Coarse {
+    view: Residuals,
+    /// The first column and row of the arena, and the cells on each side of a coarse cell.
+    first: (usize, usize),
+    factor: usize,
+}
+
+impl Coarse {
+    fn of(frame: &PlanFrame, features: &Raster<Feature>, floor: &FloorModel) -> Self {
+        let factor = (frame.arena.width.max(frame.arena.height) * frame.scale / COARSE_CELLS)
+            .round()
+            .max(1.0) as usize;
+        let (left, upper) = frame.cell(Point::new(0.0, frame.arena.height));
+        let first = (left.ceil().max(0.0) as usize, upper.ceil().max(0.0) as usize);
+        let count = |length: f64| ((length * frame.scale) as usize / factor).max(1);
+        let (width, height) = (count(frame.arena.width), count(frame.arena.height));
+        let mut points = Vec::with_capacity(width * height);
+        let residuals = Raster::from_fn(width, height, |x, y| {
+            let (column, row) = (first.0 + x * factor, first.1 + y * factor);
+            let half = (factor as f64 - 1.0) / 2.0;
+            let point = frame.point(column as f64 + half, row as f64 + half);
+            points.push(point);
+            let mut sum = [0.0; 3];
+            for index in 0..factor * factor {
+                let (i, j) = (column + index % factor, row + index / factor);
+                if let Some(seen) = features.get(i as i64, j as i64) {
+                    sum.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+                }
+            }
+            floor.residual(point, sum.map(|sum| sum / (factor * factor) as f32))
+        });
+        Self {
+            view: Residuals { points, scale: frame.scale / factor as f64, residuals },
+            first,
+            factor,
+        }
+    }
+
+    /// The coarse cell that holds a cell.
+    fn cell(&self, column: usize, row: usize) -> Option<usize> {
+        let x = column.checked_sub(self.first.0)? / self.factor;
+        let y = row.checked_sub(self.first.1)? / self.factor;
+        let (width, height) = (self.view.residuals.width(), self.view.residuals.height());
+        (x < width && y < height).then_some(y * width + x)
+    }
+}
+
+/// So many cells of the arena as the floor's model is fitted to, or every `stride`-th of them.
+/// Cells on the arena, at most so many as a floor model needs.
+pub(crate) fn samples(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    stride: usize,
+) -> Vec<(Point, Feature)> {
+    let arena = frame.arena;
+    let inside = |value: f64, length: f64| value > 0.0 && value < length;
+    let columns: Vec<usize> = (0..features.width())
+        .filter(|&column| inside(frame.point(column as f64, 0.0).x, arena.width))
+        .collect();
+    let rows: Vec<usize> = (0..features.height())
+        .filter(|&row| inside(frame.point(0.0, row as f64).y, arena.height))
+        .collect();
+    let count = columns.len() * rows.len();
+    (0..count)
+        .step_by(stride * sample_step(count))
+        .map(|index| {
+            let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
+            let seen = features.cells()[row * features.width() + column];
+            (frame.point(column as f64, row as f64), seen)
+        })
+        .collect()
+}

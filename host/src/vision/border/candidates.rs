@@ -1,0 +1,311 @@
+//! Which of the nested edges around the arena is its border: the one where the floor ends.
+//!
+//! From a candidate quadrilateral the floor's colour is learnt inside. On each side the place is
+//! taken where, coming from inside, the colour stops being floor or shadow; its step is then fitted
+//! to a fraction of a pixel. The share of profiles that show that step, with floor inside and
+//! something else outside, is the candidate's score.
+//!
+//! A quadrilateral that no camera could see of the stated rectangle has a wrong side, such as the edge of
+//! boxes that hide the border. Three sides and the condition that a camera saw them predict the fourth:
+//! [`Border::reconsidered`] looks there.
+
+use super::sides::{Sides, learn_floor};
+use crate::geometry::{Arena, Point};
+use crate::vision::appearance::FloorModel;
+use crate::vision::camera::border_fit::{self, Fit, Search, Terms};
+use crate::vision::camera::{PlanMap, Viewpoint};
+use crate::vision::image::Photo;
+
+/// It counts if it lies this many pixels from the step of light, at a width of 640.
+const COLOUR_SHIFT: f64 = 1.2;
+/// A difference between cameras' misfits that tells, squared standard deviations.
+const CLEAR_GAIN: f64 = 1.2;
+/// Reaches of the search for a wall's foot, pixels at a width of 640.
+const FOOT_REACH: [f64; 3] = [3.0, 2.0, 2.0];
+/// The border is found when its corners move by less than this, pixels at a width of 640.
+const SETTLED: f64 = 0.05;
+/// Shrinking reaches of the search for steps, pixels at a width of 640.
+const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
+const FINE_REACH: [[f64; 3]; 3] = [[8.0, 5.0, 3.0], [5.0, 3.0, 2.0], [4.0, 2.5, 2.0]];
+/// The same for a border that was found in a reduced photo, pixels of that.
+const FULL_REACH: [f64; 2] = [2.5, 2.0];
+/// The same where three sides predict the fourth, pixels at a width of 640.
+const PREDICTED_REACH: [f64; 2] = [3.0, 2.0];
+/// A squared standard deviation of misfit outweighs this share of the profiles.
+const MISFIT_WEIGHT: f64 = 0.05;
+/// Radial coefficients of lenses that pictures of arenas are taken with.
+const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.08;
+/// The lens is accepted if it brings the residual below this share of that without.
+const LENS_GAIN: f64 = 0.93;
+
+/// What leads the search for the border's steps.
+#[derive(Clone, Copy)]
+struct Guide {
+    /// The light's change from inside to outside on each side, if it is known.
+    change: Option<Changes>,
+    /// The side that does not count.
+    without: Option<usize>,
+    /// Whether the map is one that a camera may have.
+    camera: bool,
+}
+
+/// The change of linear light from inside to outside on each side.
+type Changes = [[f32; 3]; 4];
+
+impl Guide {
+    fn by(change: Changes) -> Self {
+        Self { change: Some(change), without: None, camera: false }
+    }
+}
+
+/// A border that was found.
+#[derive(Clone, Debug)]
+pub(crate) struct Border {
+    /// The map from floor to photo.
+    pub(crate) map: PlanMap,
+    /// The share of profiles that show the border, 0 to 1: the mean over the sides.
+    pub(crate) score: f64,
+    /// The root mean square distance of the border's steps from the map, pixels.
+    pub(crate) residual: f64,
+    /// The change of linear light from inside to outside on each side.
+    change: Changes,
+}
+
+impl Border {
+    /// The border of a photo, found in its copy reduced by `factor`, to a fraction of the photo's pixels.
+    pub(crate) fn enlarged(self, photo: &Photo, arena: Arena, factor: usize) -> Option<Self> {
+        if factor == 1 {
+            return Some(self);
+        }
+        let factor = factor as f64;
+        let corners = self.map.seen_corners(arena).map(|pixel| enlarged(pixel, factor));
+        let map = PlanMap::from_seen_corners(photo, arena, corners, self.map.radial())?;
+        let reaches = FULL_REACH.map(|reach| reach * factor);
+        let Some(fine) = refine(photo, arena, &map, &reaches, Guide::by(self.change)) else {
+            return Some(Self { map, residual: factor * self.residual, ..self });
+        };
+        let score = fine.shares.iter().sum::<f64>() / 4.0;
+        Some(Self { map: fine.map, score, residual: fine.residual, ..self })
+    }
+
+    /// The border with one side sought anew where a camera that saw the others would see it, if that fits
+    /// clearly better to a camera.
+    pub(crate) fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
+        let before = Viewpoint::misfit(photo, &self.map);
+        let floor = learn_floor(photo, &self.map, arena)?;
+        let reaches = PREDICTED_REACH.map(|reach| reach * zoom(photo));
+        let sought_anew = |side: usize| {
+            let guide = Guide { without: Some(side), camera: true, ..Guide::by(self.change) };
+            let predicted = refine(photo, arena, &self.map, &reaches, guide)?;
+            settle(photo, arena, predicted.map, &floor, true)
+        };
+        let misfit = |border: &Self| Viewpoint::misfit(photo, &border.map);
+        let value = |border: &Self| border.score - MISFIT_WEIGHT * misfit(border);
+        let found = (0..4).filter_map(sought_anew);
+        let better = found.filter(|border| misfit(border) + CLEAR_GAIN < before);
+        better.max_by(|a, b| value(a).total_cmp(&value(b)))
+    }
+
+    fn of(fit: Fit, change: Changes) -> Self {
+        let score = fit.shares.iter().sum::<f64>() / 4.0;
+        Self { map: fit.map, score, residual: fit.residual, change }
+    }
+}
+
+/// The place in a photo of a pixel of its copy reduced by `factor`.
+fn enlarged(pixel: [f64; 2], factor: f64) -> [f64; 2] {
+    pixel.map(|value| (value + 0.5) * factor - 0.5)
+}
+
+/// Looks for the border from a candidate's corners; `None` if the floor does not end there.
+pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
+    let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
+    let reaches = ROUGH_REACH.map(|reach| reach * zoom(photo));
+    let any = Guide { change: None, without: None, camera: false };
+    let rough = refine(photo, arena, &straight, &reaches, any)?;
+    let floor = learn_floor(photo, &rough.map, arena)?;
+    settle(photo, arena, rough.map, &floor, false)
+}
+
+/// Moves a map to where the floor ends, until it stays; only as one of a `camera` if so wanted.
+fn settle(
+    photo: &Photo,
+    arena: Arena,
+    start: PlanMap,
+    floor: &FloorModel,
+    camera: bool,
+) -> Option<Border> {
+    let zoom = zoom(photo);
+    let (mut map, mut last) = (start, None);
+    // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
+    for reaches in FINE_REACH {
+        let sides = Sides::measure(photo, &map, arena, floor);
+        let ends = sides.ends()?;
+        let moved = moved(photo, arena, &map, ends)?;
+        let guide = Guide { camera, ..Guide::by(sides.changes(ends)) };
+        let fit = refine(photo, arena, &moved, &reaches.map(|reach| reach * zoom), guide)?;
+        let settled = farthest(&map, &fit.map, arena) < SETTLED * zoom;
+        map = fit.map.clone();
+        last = Some((fit, sides.changes(ends)));
+        if settled {
+            break;
+        }
+    }
+    let (fit, change) = last?;
+    let (map, change) = by_colour(photo, arena, &map, floor).unwrap_or((map, change));
+    Some(Border { map, ..Border::of(fit, change) })
+}
+
+/// How much wider a photo is than those that lengths in pixels are stated for.
+fn zoom(photo: &Photo) -> f64 {
+    (photo.width() as f64 / 640.0).max(1.0)
+}
+
+/// How far the farthest corner of two maps is apart, pixels.
+fn farthest(a: &PlanMap, b: &PlanMap, arena: Arena) -> f64 {
+    let pairs = a.seen_corners(arena).into_iter().zip(b.seen_corners(arena));
+    pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+}
+
+/// The map whose sides lie where `map` has the distances `inward` from its sides, metres.
+fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: [f64; 4]) -> Option<PlanMap> {
+    let [lower, right, upper, left] = inward;
+    let (right, upper) = (arena.width - right, arena.height - upper);
+    let corners = [(left, lower), (right, lower), (right, upper), (left, upper)];
+    PlanMap::from_seen_corners(
+        photo,
+        arena,
+        corners.map(|(x, y)| map.to_photo(Point::new(x, y))),
+        map.radial(),
+    )
+}
+
+/// Fits the map to the steps found within shrinking reaches, with the lens if that fits better.
+fn refine(
+    photo: &Photo,
+    arena: Arena,
+    start: &PlanMap,
+    reaches: &[f64],
+    Guide { change, without, camera }: Guide,
+) -> Option<Fit> {
+    let mut best: Option<Fit> = None;
+    for lens in [false, true] {
+        let mut map = start.clone();
+        let mut last = None;
+        for (round, &reach) in reaches.iter().enumerate() {
+            // The last round decides; for those before it half of the profiles are enough.
+            let stride = if round + 1 == reaches.len() { 1 } else { 2 };
+            let steps = border_fit::steps(photo, &map, arena, &Search { reach, change }, stride);
+            let terms = Terms { width: reach, lens, stride, without, camera };
+            let fit = border_fit::fit(photo, arena, &map, &steps, terms)
+                .filter(|fit| near(start, &fit.map, arena, reaches));
+            let Some(fit) = fit else {
+                last = None;
+                break;
+            };
+            map = fit.map.clone();
+            last = Some(fit);
+        }
+        let Some(fit) = last else { continue };
+        let better = best.as_ref().is_none_or(|best| {
+            let gain = |fit: &Fit| fit.residual / fit.shares.iter().sum::<f64>().max(1e-6);
+            gain(&fit) < LENS_GAIN * gain(best)
+        });
+        if better {
+            best = Some(fit);
+        }
+    }
+    best
+}
+
+/// Whether a fitted map is still the candidate's: its corners lie where steps were sought, its lens is one.
+fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> bool {
+    let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
+    farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&fitted.radial())
+}
+
+/// The map with those sides moved whose floor ends elsewhere by its colour than by its light, if any.
+///
+/// The greatest step may be that of a shadow on the floor or the top of a wall. Shadow has the floor's
+/// hue, and the faces of a wall have one hue; so where hues differ enough, the floor ends where the hue
+/// changes. What no camera could see is not believed.
+fn by_colour(
+    photo: &Photo,
+    arena: Arena,
+    map: &PlanMap,
+    floor: &FloorModel,
+) -> Option<(PlanMap, Changes)> {
+    let sides = Sides::measure(photo, map, arena, floor);
+    let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
+    let least = COLOUR_SHIFT * zoom(photo) / scale;
+    let shifts = sides.hue_ends().map(|end| end.filter(|shift| shift.abs() > least).unwrap_or(0.0));
+    if shifts == [0.0; 4] {
+        return None;
+    }
+    let better = moved(photo, arena, map, shifts)?;
+    let (before, after) = (Viewpoint::misfit(photo, map), Viewpoint::misfit(photo, &better));
+    if after + CLEAR_GAIN < before {
+        return Some((better, sides.changes(shifts)));
+    }
+    // The top of a wall of one height all around is as good a rectangle as its foot: the inner one counts.
+    if shifts.iter().any(|&shift| shift <= 0.0) {
+        return None;
+    }
+    let zoom = zoom(photo);
+    let change = sides.changes(shifts);
+    let reaches = FOOT_REACH.map(|reach| reach * zoom);
+    let foot = refine(photo, arena, &better, &reaches, Guide::by(change))?.map;
+    (Viewpoint::misfit(photo, &foot) < before + CLEAR_GAIN).then_some((foot, change))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn from_a_frames_outer_edge_the_inner_one_is_found() {
+        let pixels = (0..320 * 240).map(|i| {
+            let (x, y) = (i % 320, i / 320);
+            let frame = (40..280).contains(&x) && (30..210).contains(&y);
+            let floor = (50..270).contains(&x) && (40..200).contains(&y);
+            if frame && !floor { [40; 3] } else { [225; 3] }
+        });
+        let photo = Photo::from_rgb(320, 240, pixels.collect()).unwrap();
+        let arena = Arena { width: 2.2, height: 1.6 };
+        let outer = [[39.5, 209.5], [279.5, 209.5], [279.5, 29.5], [39.5, 29.5]];
+        let border = find(&photo, arena, outer).unwrap();
+        assert!(border.score > 0.95 && border.residual < 0.1, "{border:?}");
+        for (found, expected) in border.map.seen_corners(arena).into_iter().zip([
+            [49.5, 199.5],
+            [269.5, 199.5],
+            [269.5, 39.5],
+            [49.5, 39.5],
+        ]) {
+            assert!((found[0] - expected[0]).hypot(found[1] - expected[1]) < 0.2, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_shadow_along_a_wall_does_not_move_the_border() {
+        let pixels = (0..320 * 240).map(|i| {
+            let (x, y) = (i % 320, i / 320);
+            let frame = (40..280).contains(&x) && (30..210).contains(&y);
+            let floor = (50..270).contains(&x) && (40..200).contains(&y);
+            match (floor, frame) {
+                (true, _) if y < 44 => [126, 124, 120],
+                (true, _) => [225, 220, 212],
+                (_, true) => [90, 50, 25],
+                _ => [120, 120, 122],
+            }
+        });
+        let photo = Photo::from_rgb(320, 240, pixels.collect()).unwrap();
+        let arena = Arena { width: 2.2, height: 1.6 };
+        let outer = [[39.5, 209.5], [279.5, 209.5], [279.5, 29.5], [39.5, 29.5]];
+        let border = find(&photo, arena, outer).unwrap();
+        // The shadow's edge lies 4 pixels from the wall's.
+        for (found, y) in border.map.seen_corners(arena).into_iter().zip([199.5, 199.5, 39.5, 39.5])
+        {
+            assert!((found[1] - y).abs() < 1.0, "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! The floor's four edges: lines and quads in the photo, the choice among them, and the light along each side.
+
+mod candidates;
+mod find;
+mod light;
+mod lines;
+mod quads;
+mod sides;
+
+pub(crate) use find::{check_arena, find, given};
+pub(crate) use light::{changes, company, shown};

@@ -1,0 +1,93 @@
+//! What boxes and a lamp explain of a picture together, and what they leave.
+//!
+//! All in cells of the evidence: a cell that is surely no background and that nothing explains counts 1.
+
+use super::projection::LeaningBox;
+use super::search::{SHADOW_DOUBT, Search};
+use crate::vision::image::Raster;
+
+/// What a box costs when whole explanations are compared, in least gains.
+const BOX_CHARGE: f32 = 8.0;
+
+impl Search<'_> {
+    /// The cost of every cell before any box: what is not floor, and shadow that nothing casts.
+    pub(crate) fn unexplained(&self) -> Raster<f32> {
+        let mut cost = self.evidence.background.clone();
+        if self.lamp.is_some() {
+            self.doubt_shadow(&mut cost);
+        }
+        cost
+    }
+
+    /// Raises the cost of shadow that nothing is known to cast.
+    fn doubt_shadow(&self, cost: &mut Raster<f32>) {
+        for (cost, shade) in cost.cells_mut().iter_mut().zip(self.evidence.shade.cells()) {
+            *cost = cost.max(SHADOW_DOUBT * shade.max(0.0));
+        }
+    }
+
+    /// What boxes explain together.
+    pub(crate) fn explained(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.unexplained();
+        let mut sum = 0.0;
+        for &seen in found {
+            sum += self.gain(seen, &cost) - self.least_gain() as f32;
+            self.explain(&mut cost, seen);
+        }
+        sum
+    }
+
+    /// What boxes and the lamp leave unexplained, in cells, with a charge for every box.
+    pub(crate) fn left_over(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.evidence.background.clone();
+        self.doubt_shadow(&mut cost);
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let weighted = cost.cells().iter().zip(self.evidence.weight.cells());
+        let left: f32 = weighted.map(|(cost, weight)| cost * weight).sum();
+        left + found.len() as f32 * BOX_CHARGE * self.least_gain() as f32
+    }
+
+    /// The share of the shadow that neither lies in the outline of a box nor is cast by one.
+    pub(crate) fn unexplained_shade(&self, found: &[LeaningBox]) -> f32 {
+        let mut cost = self.unexplained();
+        found.iter().for_each(|&seen| self.explain(&mut cost, seen));
+        let (mut left, mut all) = (0.0, 0.0);
+        for (shade, cost) in self.evidence.shade.cells().iter().zip(cost.cells()) {
+            all += shade.max(0.0);
+            left += if *cost < SHADOW_DOUBT * shade { 0.0 } else { shade.max(0.0) };
+        }
+        left / all.max(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::evidence::Evidence;
+    use super::*;
+    use crate::geometry::{Arena, Point, Rect};
+    use crate::vision::plan_view::PlanFrame;
+
+    #[test]
+    fn a_box_leaves_less_than_none_and_half_a_box_less_than_a_whole_one_explains() {
+        let drawn = Rect::new(0.5, 0.3, 0.9, 0.6);
+        let arena = Arena { width: 2.0, height: 1.0 };
+        let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
+        let (width, height) = frame.size();
+        let features = Raster::from_fn(width, height, |column, row| {
+            let point: Point = frame.point(column as f64, row as f64);
+            [if drawn.contains(point) { -1.0 } else { 0.0 }, 0.0, 0.0]
+        });
+        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
+        let weight = Raster::filled(width, height, 1.0);
+        let shade = Raster::filled(width, height, 0.0);
+        let spread = [0.02; 3];
+        let evidence = Evidence { frame, features, background, weight, shade, spread };
+        let search = Search { evidence: &evidence, foot: None, lamp: None };
+        let left = |rect: Rect| search.left_over(&[LeaningBox { base: rect, lean: 1.0 }]);
+        // 0.4 × 0.3 m are 1200 cells; the charge is 8 times 0.001 m².
+        assert!((search.left_over(&[]) - 1200.0).abs() < 1.0);
+        assert!((left(drawn) - 80.0).abs() < 1.0, "{}", left(drawn));
+        let half = left(Rect::new(0.5, 0.3, 0.7, 0.6));
+        assert!((half - 680.0).abs() < 35.0, "{half}");
+    }
+}

@@ -1,0 +1,375 @@
+//! What speaks for floor and what for boxes, on a coarse plan view.
+//!
+//! Every cell has a colour, and a cost of being floor, shadow or border from 0 (surely) to 1 (surely
+//! not). Beyond the arena's sides the background is the border: its colour at every distance from a
+//! side is the median along that side, so that a box that leans over the border is seen against it.
+
+use super::projection::LeaningBox;
+use crate::geometry::{Arena, Point};
+use crate::vision::appearance::{
+    Difference, FOREIGN, Feature, FloorModel, Look, SURE, feature, median, samples,
+};
+use crate::vision::camera::PlanMap;
+use crate::vision::image::{Photo, Raster};
+use crate::vision::plan_view::{PlanFrame, plan_view};
+use crate::vision::robot::RobotTop;
+
+/// Cells per metre at most, and cells along the longer side at most.
+const COARSE_SCALE: f64 = 110.0;
+const COARSE_CELLS: f64 = 300.0;
+/// A border's colour varies by this much (brightness, chroma, chroma).
+const BORDER_SPREAD: Feature = [0.12, 0.06, 0.06];
+/// Blur beside lit floor is at most this deep, a natural logarithm.
+const DEEPEST: f32 = -1.5;
+/// Half shadow lies this close to lit floor and to full shadow, metres.
+const HALF_SHADOW: f64 = 0.03;
+/// The steepest rim of a shadow that is wider: shares of its depth per metre.
+const SOFTNESS: f32 = 13.0;
+/// The step from pixel to pixel of the faintest box's edge if the picture is blurred.
+const LEAST_BLURRED: f32 = 0.025;
+/// Cells within which a shadow touches what casts it.
+const TOUCH: i64 = 2;
+/// Cells this close to the border are blurred with it.
+const BORDER_BLUR: f64 = 1.2;
+/// Cells beyond the border say less, because what lies there is not known.
+const OUTSIDE_WEIGHT: f32 = 0.4;
+/// The shadows of the border and of the robot reach this far: metres, and radii of the robot.
+const BORDER_SHADOW: f64 = 0.08;
+const ROBOT_SHADOW: f64 = 2.5;
+/// How much larger than the robot's top the disc is in which nothing counts.
+const ROBOT_RIM: f64 = 1.2;
+
+/// The coarse plan view.
+pub(crate) struct Evidence {
+    pub(crate) frame: PlanFrame,
+    pub(crate) features: Raster<Feature>,
+    /// The cost of being background, 0 to 1.
+    pub(crate) background: Raster<f32>,
+    /// How much a cell counts.
+    pub(crate) weight: Raster<f32>,
+    /// How surely a cell is floor in shadow (up to 1) or lit floor (down to −1); 0 if it is neither.
+    pub(crate) shade: Raster<f32>,
+    /// The spread of the floor's colours in cells of this size.
+    pub(crate) spread: Feature,
+}
+
+impl Evidence {
+    /// The evidence of a picture; without `shadows` nothing but the robot casts any.
+    pub(crate) fn of(
+        photo: &Photo,
+        map: &PlanMap,
+        look: &Look,
+        robot: Option<RobotTop>,
+        shadows: bool,
+    ) -> Self {
+        let arena = look.frame.arena;
+        let scale =
+            COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale);
+        let frame = PlanFrame { scale, ..look.frame };
+        let features = plan_view(photo, map, &frame).map(feature);
+        let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
+            let point = frame.point(column as f64, row as f64);
+            let of_robot =
+                robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+            let seen = photo.holds(map.to_photo(point));
+            match outside(arena, point) {
+                _ if of_robot || !seen => 0.0,
+                Some(_) => OUTSIDE_WEIGHT,
+                None if inside(arena, point) * scale < BORDER_BLUR => 0.0,
+                None => 1.0,
+            }
+        });
+        let spread = look.floor.spread_of(&samples(&frame, &features, 1));
+        Self::judged(frame, (features, weight, spread), look, robot, shadows)
+    }
+
+    /// The same of another look at the picture.
+    pub(crate) fn anew(&self, look: &Look, robot: Option<RobotTop>, shadows: bool) -> Self {
+        let seen = (self.features.clone(), self.weight.clone(), self.spread);
+        Self::judged(self.frame, seen, look, robot, shadows)
+    }
+
+    fn judged(
+        frame: PlanFrame,
+        (features, weight, spread): (Raster<Feature>, Raster<f32>, Feature),
+        look: &Look,
+        robot: Option<RobotTop>,
+        shadows: bool,
+    ) -> Self {
+        let floor = look.floor.with_spread(spread);
+        let judged = judge(&frame, &features, &floor, look);
+        let soft = soft_shadow(&frame, &features, &judged, &floor, look.frame.scale);
+        let shadows = shadows.then_some(&soft);
+        let background = background(&frame, &features, &judged, &floor, robot, shadows);
+        let shade = shade(&frame, &judged, robot);
+        Self { frame, features, background, weight, shade, spread }
+    }
+
+    /// The floor point of a cell by its index.
+    pub(crate) fn point(&self, index: usize) -> Point {
+        let width = self.features.width();
+        self.frame.point((index % width) as f64, (index / width) as f64)
+    }
+
+    /// Calls `visit` with the index and the floor point of every `stride`-th cell in the outline of a box
+    /// as it is seen from above `foot`.
+    pub(crate) fn each_covered(
+        &self,
+        seen: LeaningBox,
+        foot: Point,
+        stride: usize,
+        mut visit: impl FnMut(usize, Point),
+    ) {
+        let bounds = seen.bounds(foot);
+        let (left, upper) = self.frame.cell(Point::new(bounds.x0, bounds.y1));
+        let (right, lower) = self.frame.cell(Point::new(bounds.x1, bounds.y0));
+        let (width, height) = (self.features.width(), self.features.height());
+        let first = |edge: f64| edge.ceil().max(0.0) as usize;
+        let after = |edge: f64, length: usize| ((edge.floor() + 1.0).max(0.0) as usize).min(length);
+        let columns: Vec<_> = (first(left)..after(right, width))
+            .step_by(stride)
+            .map(|column| {
+                let x = self.frame.point(column as f64, 0.0).x;
+                (column, x, seen.leans_at_x(x, foot))
+            })
+            .collect();
+        for row in (first(upper)..after(lower, height)).step_by(stride) {
+            let y = self.frame.point(0.0, row as f64).y;
+            let leans = seen.leans_at_y(y, foot);
+            for &(column, x, across) in &columns {
+                if seen.face_within(across, leans).is_some() {
+                    visit(row * width + column, Point::new(x, y));
+                }
+            }
+        }
+    }
+
+    /// The cells on the arena that are hardly background.
+    pub(crate) fn foreign(&self) -> Raster<bool> {
+        let width = self.features.width();
+        Raster::from_fn(width, self.features.height(), |column, row| {
+            let index = row * width + column;
+            let point = self.frame.point(column as f64, row as f64);
+            self.background.cells()[index] >= 0.8
+                && self.weight.cells()[index] > 0.0
+                && outside(self.frame.arena, point).is_none()
+        })
+    }
+}
+
+/// The cost of every cell of being background; `shadows` marks their wide rims, and without it nothing but
+/// the robot casts any.
+fn background(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    judged: &Raster<Difference>,
+    floor: &FloorModel,
+    robot: Option<RobotTop>,
+    shadows: Option<&Raster<bool>>,
+) -> Raster<f32> {
+    let borders = border_colours(frame, features);
+    let half = half_shadow(frame, judged);
+    // Without shadow, what is half dark beside lit floor is the blur of an edge.
+    let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
+    let lonely = lonely_shadow(frame, judged, robot);
+    let width = features.width();
+    Raster::from_fn(width, features.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let index = row * width + column;
+        let seen = features.cells()[index];
+        let distance = match outside(frame.arena, point) {
+            None => {
+                let difference = judged.cells()[index];
+                let of_robot =
+                    robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+                let blurred = !(shadows.is_some() && floor.shadow.is_some()) && rim.cells()[index];
+                let distance = if lonely.cells()[index] {
+                    difference.lit
+                } else if blurred {
+                    floor.off_any_shadow(floor.residual(point, seen), DEEPEST)
+                } else if of_robot
+                    || shadows.is_some_and(|soft| half.cells()[index] || soft.cells()[index])
+                {
+                    difference.floor
+                } else if shadows.is_none() {
+                    difference.lit
+                } else {
+                    difference.lit.min(difference.core)
+                };
+                ((distance - SURE) / (FOREIGN - SURE)).max(0.0)
+            }
+            Some((side, depth)) => borders[side]
+                .get((depth * frame.scale) as usize)
+                .map_or(0.0, |&of_border| border_distance(seen, of_border)),
+        };
+        (distance * distance).min(1.0)
+    })
+}
+
+/// How every cell differs from the floor's colours.
+fn judge(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    floor: &FloorModel,
+    look: &Look,
+) -> Raster<Difference> {
+    let width = features.width();
+    Raster::from_fn(width, features.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let difference = floor.difference(point, features.cells()[row * width + column]);
+        if look.is_bright_floor(point) { difference.at_most(1.0) } else { difference }
+    })
+}
+
+/// The cells that may be half in shadow: lit floor and full shadow are both near.
+fn half_shadow(frame: &PlanFrame, judged: &Raster<Difference>) -> Raster<bool> {
+    let reach = (HALF_SHADOW * frame.scale).ceil().max(2.0) as i64;
+    let lit = widened(&judged.map(|difference| difference.lit < SURE), reach);
+    let core = widened(&judged.map(|difference| difference.core < SURE), reach);
+    let width = judged.width();
+    Raster::from_fn(width, judged.height(), |column, row| {
+        lit.cells()[row * width + column] && core.cells()[row * width + column]
+    })
+}
+
+/// The cells that are reached from lit floor by way of cells that darken slowly: the rim of a large lamp's
+/// shadow may be wider than [`HALF_SHADOW`], but the edges of a box are sharp; `finest` are the photo's
+/// pixels per metre.
+fn soft_shadow(
+    frame: &PlanFrame,
+    features: &Raster<Feature>,
+    judged: &Raster<Difference>,
+    floor: &FloorModel,
+    finest: f64,
+) -> Raster<bool> {
+    let lit = judged.map(|difference| difference.lit < SURE);
+    let Some(shadow) = floor.shadow else { return lit };
+    let sharpest = LEAST_BLURRED * finest as f32;
+    let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
+    let width = judged.width();
+    lit.grown(|cell, next| {
+        let point = frame.point((next % width) as f64, (next / width) as f64);
+        let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
+        judged.cells()[next].floor < SURE
+            && step < steepest
+            && outside(frame.arena, point).is_none()
+    })
+}
+
+/// The cells within `reach` columns and rows of a marked one.
+pub(crate) fn widened(mask: &Raster<bool>, reach: i64) -> Raster<bool> {
+    let along = |mask: &Raster<bool>, (i, j): (i64, i64)| {
+        Raster::from_fn(mask.width(), mask.height(), |column, row| {
+            (-reach..=reach)
+                .any(|k| mask.get(column as i64 + k * i, row as i64 + k * j) == Some(true))
+        })
+    };
+    along(&along(mask, (1, 0)), (0, 1))
+}
+
+/// Cells as dark as shadow in patches that touch nothing that could cast one: no box, border or robot.
+fn lonely_shadow(
+    frame: &PlanFrame,
+    judged: &Raster<Difference>,
+    robot: Option<RobotTop>,
+) -> Raster<bool> {
+    let (width, height) = (judged.width(), judged.height());
+    let judged = |column: usize, row: usize| {
+        (frame.point(column as f64, row as f64), judged.cells()[row * width + column])
+    };
+    let dark = Raster::from_fn(width, height, |column, row| {
+        let (point, difference) = judged(column, row);
+        outside(frame.arena, point).is_none()
+            && difference.lit > FOREIGN
+            && difference.floor <= FOREIGN
+    });
+    let (patches, count) = dark.regions(true);
+    let mut cast = vec![false; count + 1];
+    for row in 0..height {
+        for column in 0..width {
+            let (point, difference) = judged(column, row);
+            let of_robot =
+                robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+            if difference.floor <= FOREIGN && outside(frame.arena, point).is_none() && !of_robot {
+                continue;
+            }
+            for (i, j) in (-TOUCH..=TOUCH).flat_map(|j| (-TOUCH..=TOUCH).map(move |i| (i, j))) {
+                if let Some(patch) = patches.get(column as i64 + i, row as i64 + j) {
+                    cast[patch as usize] = true;
+                }
+            }
+        }
+    }
+    patches.map(|patch| patch > 0 && !cast[patch as usize])
+}
+
+/// How surely cells are floor in shadow or lit floor; the shadow of border and robot says nothing.
+fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>) -> Raster<f32> {
+    let width = judged.width();
+    Raster::from_fn(width, judged.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let of_robot =
+            robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+        if of_robot || inside(frame.arena, point) < BORDER_SHADOW {
+            return 0.0;
+        }
+        let difference = judged.cells()[row * width + column];
+        if difference.lit < SURE {
+            -1.0
+        } else if difference.lit > FOREIGN {
+            ((FOREIGN - difference.core) / (FOREIGN - SURE)).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    })
+}
+
+/// The side (0 left, 1 lower, 2 right, 3 upper) that a point lies beyond and how far; `None` on the arena.
+fn outside(arena: Arena, point: Point) -> Option<(usize, f64)> {
+    let depths = [-point.x, -point.y, point.x - arena.width, point.y - arena.height];
+    let (side, &depth) = depths.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    (depth > 0.0).then_some((side, depth))
+}
+
+/// How far a point of the arena is from its nearest side, metres.
+fn inside(arena: Arena, point: Point) -> f64 {
+    point.x.min(point.y).min(arena.width - point.x).min(arena.height - point.y)
+}
+
+/// The median colour beyond each side, by the distance from it in cells.
+fn border_colours(frame: &PlanFrame, features: &Raster<Feature>) -> [Vec<Feature>; 4] {
+    let depths = (frame.margin * frame.scale) as usize + 2;
+    let mut lists: [Vec<[Vec<f32>; 3]>; 4] = [(); 4].map(|()| vec![Default::default(); depths]);
+    for row in 0..features.height() {
+        for (column, seen) in features.row(row).iter().enumerate() {
+            if let Some((side, depth)) =
+                outside(frame.arena, frame.point(column as f64, row as f64))
+                && let Some(parts) = lists[side].get_mut((depth * frame.scale) as usize)
+            {
+                parts.iter_mut().zip(seen).for_each(|(list, &value)| list.push(value));
+            }
+        }
+    }
+    lists
+        .map(|side| side.into_iter().map(|parts| parts.map(|mut list| median(&mut list))).collect())
+}
+
+fn border_distance(seen: Feature, border: Feature) -> f32 {
+    let square: f32 = (0..3)
+        .map(|part| ((seen[part] - border[part]) / (3.0 * BORDER_SPREAD[part])).powi(2))
+        .sum();
+    square.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_beyond_a_side_know_which_and_how_far() {
+        let arena = Arena { width: 2.0, height: 1.0 };
+        assert_eq!(outside(arena, Point::new(1.0, 0.5)), None);
+        assert_eq!(outside(arena, Point::new(2.25, 0.5)), Some((2, 0.25)));
+        assert_eq!(outside(arena, Point::new(-0.1, -0.3)), Some((1, 0.3)));
+    }
+}

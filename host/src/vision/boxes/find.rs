@@ -1,0 +1,211 @@
+//! Obstacles by the floor's colour: boxes that may lean, to a fraction of a pixel.
+//!
+//! Deviation: the paper takes what is not near white as obstacle and its outline as footprint
+//! [Alghannam, Sec. II]. Here what is neither floor nor shadow is explained by boxes, and footprints
+//! are told from outlines wherever visible sides show that boxes lean.
+
+use super::evidence::Evidence;
+use super::implausible::{fades_into_floor, is_part_of_robot, is_part_of_wall};
+use super::light::Lamp;
+use super::projection::LeaningBox;
+use super::proposals::proposals;
+use super::refine::{Bounded, Sharpener};
+use super::search::Search;
+use super::uncovered::Explained;
+use crate::geometry::{Point, Rect};
+use crate::vision::appearance::{Look, Shadow};
+use crate::vision::camera::{PlanMap, Viewpoint};
+use crate::vision::image::Photo;
+use crate::vision::robot::RobotTop;
+
+/// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
+const LEAN_GAIN: f32 = 0.012;
+const SHOWN_WEIGHT: f32 = 0.03;
+/// Shadow of this many square metres matters.
+const LEAST_SHADE: f64 = 0.002;
+/// The share of all shadow that a lamp may leave unexplained.
+const MOST_LEFT: f32 = 0.25;
+
+/// Another reading of shadow is taken if it leaves less than this share unexplained.
+const CLEARLY: f32 = 0.9;
+
+/// The boxes of a picture.
+pub(crate) struct Found {
+    pub(crate) boxes: Vec<Bounded>,
+    /// Whether they lean; unknown without boxes.
+    pub(crate) leans: Option<bool>,
+    /// Whether thin lines from side to side were taken for lines on the floor.
+    pub(crate) has_lines: bool,
+}
+
+/// Finds the boxes.
+///
+/// They are sought twice, upright and leaning away from the camera's foot point. From far away no lean
+/// can be seen, and a free lean only fits noise; so leaning boxes must explain more or show sides.
+///
+/// Shadow that no lamp explains may be boxes as dark as shadow, which must not be lost. Then all that is
+/// dark is taken for boxes. If the shadows of these tell the lamp after all, and the lamp leaves little
+/// shadow unexplained, its boxes are taken; else what is dark stays an obstacle.
+pub(crate) fn find(
+    photo: &Photo,
+    map: &PlanMap,
+    mut look: Look,
+    robot: Option<RobotTop>,
+    viewpoint: Option<Viewpoint>,
+) -> Found {
+    let mut best: Option<Reading> = None;
+    for shadow in look.readings() {
+        look.floor.shadow = shadow;
+        let evidence = match &best {
+            None => Evidence::of(photo, map, &look, robot, true),
+            Some(best) => best.evidence.anew(&look, robot, true),
+        };
+        let picture = Picture { photo, map, look: &look, robot, viewpoint };
+        let scene = picture.explain(&evidence);
+        let left = picture.left_over(&scene, &evidence);
+        let clearly = |best: &Reading| scene.lamp.is_some() && left < CLEARLY * best.left;
+        if best.as_ref().is_none_or(clearly) {
+            best = Some(Reading { shadow, evidence, scene, left });
+        }
+    }
+    let Some(Reading { shadow, evidence, scene: first, .. }) = best else {
+        return Found { boxes: Vec::new(), leans: None, has_lines: false };
+    };
+    look.floor.shadow = shadow;
+    let picture = Picture { photo, map, look: &look, robot, viewpoint };
+    if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
+        return picture.finish(first);
+    }
+    let dark = picture.explain(&evidence.anew(&look, robot, false));
+    let lit = dark.lamp.and_then(|lamp| picture.lit(&evidence, lamp, &dark.boxes));
+    picture.finish(lit.unwrap_or(dark))
+}
+
+/// How much of the floor is in shadow, square metres.
+fn shade(evidence: &Evidence) -> f64 {
+    let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
+    f64::from(shaded) / evidence.frame.scale.powi(2)
+}
+
+/// A reading of shadow, what it makes of the picture, and how much it leaves unexplained, cells.
+struct Reading {
+    shadow: Option<Shadow>,
+    evidence: Evidence,
+    scene: Scene,
+    left: f32,
+}
+
+/// The explanation of a picture.
+struct Scene {
+    boxes: Vec<LeaningBox>,
+    foot: Option<Point>,
+    lamp: Option<Lamp>,
+    leans: Option<bool>,
+}
+
+/// A picture and what is known of it before boxes are sought.
+struct Picture<'a> {
+    photo: &'a Photo,
+    map: &'a PlanMap,
+    look: &'a Look,
+    robot: Option<RobotTop>,
+    viewpoint: Option<Viewpoint>,
+}
+
+impl Picture<'_> {
+    /// Seeks boxes upright, leaning, and once more with the lamp if the shadows of those tell it.
+    fn explain(&self, evidence: &Evidence) -> Scene {
+        let rects = proposals(evidence);
+        let upright = Search { evidence, foot: None, lamp: None };
+        let flat = upright.run(&rects);
+        let foot = self.viewpoint.map(|view| view.foot);
+        let search = Search { evidence, foot, lamp: None };
+        let leaning = search.run(&with(&rects, &flat));
+        let sharpener = self.sharpener(foot, false);
+        let lamp = self.viewpoint.and_then(|view| {
+            let leans: Vec<_> = leaning.iter().map(|&seen| sharpener.shown_lean(seen)).collect();
+            Lamp::of(evidence, &leaning, &leans, view.foot, view.height)
+        });
+        let search = Search { lamp, ..search };
+        let leaning = if lamp.is_some() { search.run(&with(&rects, &leaning)) } else { leaning };
+        let shown = leaning.iter().filter(|&&seen| sharpener.shown_lean(seen).is_some()).count();
+        let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
+        let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
+        let any = !(flat.is_empty() && leaning.is_empty());
+        let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
+        Scene { boxes, foot, lamp, leans: any.then_some(leans) }
+    }
+
+    /// What an explanation leaves unexplained, in cells.
+    fn left_over(&self, scene: &Scene, evidence: &Evidence) -> f32 {
+        Search { evidence, foot: scene.foot, lamp: scene.lamp }.left_over(&scene.boxes)
+    }
+
+    /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.
+    fn lit(&self, evidence: &Evidence, lamp: Lamp, dark: &[LeaningBox]) -> Option<Scene> {
+        let foot = self.viewpoint.map(|view| view.foot);
+        let search = Search { evidence, foot, lamp: Some(lamp) };
+        let boxes = search.run(&with(&proposals(evidence), dark));
+        let left = search.unexplained_shade(&boxes);
+        (left < MOST_LEFT).then_some(Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) })
+    }
+
+    /// The boxes brought to a fraction of a pixel, without what cannot be one.
+    fn finish(&self, scene: Scene) -> Found {
+        let tools = self.sharpener(scene.foot, scene.lamp.is_some());
+        let arena = self.look.frame.arena;
+        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+        let outline = |seen: &LeaningBox| seen.bounds(scene.foot.unwrap_or(middle));
+        let seen =
+            scene.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), self.look));
+        let (outlines, mut boxes): (Vec<LeaningBox>, Vec<Bounded>) = seen
+            .map(|seen| {
+                let bounded = tools.sharpen(seen);
+                (LeaningBox { base: bounded.rect, ..seen }, bounded)
+            })
+            .filter(|(_, bounded)| {
+                !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
+            })
+            .unzip();
+        let Scene { foot, lamp, leans, .. } = scene;
+        let (look, robot) = (self.look, self.robot);
+        let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
+        let has_lines = explained.complete(&mut boxes);
+        Found { boxes, leans, has_lines }
+    }
+
+    fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
+        let foot_error = self.viewpoint.map_or(0.0, |view| view.spread);
+        Sharpener { photo: self.photo, map: self.map, look: self.look, foot, foot_error, lit }
+    }
+}
+
+/// Rectangles and the footprints of boxes that were found before.
+fn with(rects: &[Rect], found: &[LeaningBox]) -> Vec<Rect> {
+    rects.iter().copied().chain(found.iter().map(|seen| seen.base)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Arena;
+
+    #[test]
+    fn a_dark_square_seen_from_far_away_stands_where_it_appears() {
+        let pixels = (0..200 * 150).map(|i| {
+            let (x, y) = (i % 200, i / 200);
+            if (60..90).contains(&x) && (50..90).contains(&y) { [40; 3] } else { [220; 3] }
+        });
+        let photo = Photo::from_rgb(200, 150, pixels.collect()).unwrap();
+        let arena = Arena { width: 2.0, height: 1.5 };
+        let corners = [[-0.5, 149.5], [199.5, 149.5], [199.5, -0.5], [-0.5, -0.5]];
+        let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        let look = Look::at(&photo, &map, arena).unwrap();
+        let found = find(&photo, &map, look, None, Viewpoint::of(&photo, &map));
+        assert_eq!((found.boxes.len(), found.leans), (1, Some(false)));
+        let Rect { x0, y0, x1, y1 } = found.boxes[0].rect;
+        for (edge, drawn) in [(x0, 0.6), (y0, 0.6), (x1, 0.9), (y1, 1.0)] {
+            assert!((edge - drawn).abs() < 0.003, "{edge} {drawn}");
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! Rectangles brought to a fraction of a pixel: every edge is moved to the step of linear light.
+//!
+//! Along an edge, profiles across it are averaged where the edge is seen against the floor; the step
+//! of the mean is the edge. An edge that cannot be seen keeps its place and gets a wider margin.
+
+use super::projection::LeaningBox;
+use super::search::MOST_LEAN;
+use crate::geometry::{Arena, Point, Rect};
+use crate::vision::appearance::{FOREIGN, Feature, Look, feature};
+use crate::vision::camera::PlanMap;
+use crate::vision::image::{Photo, step};
+
+/// Profiles along each edge.
+const PLACES: usize = 48;
+/// Places stay this share of the edge away from its ends.
+const END_SHARE: f64 = 0.06;
+/// How far an edge may be moved, pixels.
+const REACH: f64 = 3.0;
+/// The distance of samples, pixels.
+const SAMPLE_STEP: f64 = 0.25;
+/// The least number of places where an edge must be seen.
+const LEAST_PLACES: usize = 5;
+/// Edges this close to the arena's side, pixels or metres, lie on it: a gap as narrow leads nowhere.
+const WALL_PIXELS: f64 = 2.0;
+const WALL_METRES: f64 = 0.01;
+/// A seen edge is good to this many pixels, and this many metres for the map's own error.
+const SEEN_PIXELS: f64 = 0.5;
+const SEEN_METRES: f64 = 0.001;
+/// A foot edge, which may be that of a dark box on a white floor, blurs the light this far, pixels.
+const FOOT_BLUR: f64 = 3.0;
+/// The edge between two faces blurs the light this far, pixels.
+const FACE_BLUR: f64 = 1.0;
+/// A first guess of the lean above this is right to so much.
+const LEAST_GUESS: f64 = 1.02;
+const GUESS_REACH: f64 = 0.03;
+/// Without a guess only small leans are possible, and only plain sides count.
+const UNGUESSED_REACH: f64 = 0.07;
+const UNGUESSED_CONTRAST: f64 = 0.15;
+/// Two faces differ by at least this much, a natural logarithm.
+const FACE_CONTRAST: f64 = 0.10;
+/// Sides farther from the foot point than this, metres, say no more of the lean.
+const GUESS_DISTANCE: f64 = 0.3;
+/// How much lower than measured a lean may be: at least so much, or a share of what it exceeds 1 by where
+/// sides show it and where only the shadow does.
+const LEAN_MARGIN: f64 = 0.01;
+const SHOWN_DOUBT: f64 = 0.2;
+const SHADED_DOUBT: f64 = 0.8;
+/// The distance of samples across a side, pixels, and of the leans that are tried.
+const SIDE_STEP: f64 = 0.5;
+const LEAN_STEP: f64 = 0.0025;
+/// An edge that is not seen, pixels.
+const UNSEEN_PIXELS: f64 = 3.0;
+
+/// A rectangle with how much further out each edge (left, lower, right, upper) may lie, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounded {
+    pub(crate) rect: Rect,
+    pub(crate) margin: [f64; 4],
+}
+
+/// The tools that every edge of one picture needs.
+#[derive(Clone, Copy)]
+pub(crate) struct Sharpener<'a> {
+    pub(crate) photo: &'a Photo,
+    pub(crate) map: &'a PlanMap,
+    pub(crate) look: &'a Look,
+    /// The camera's foot point; `None` if boxes do not lean.
+    pub(crate) foot: Option<Point>,
+    /// How far that may be off, metres.
+    pub(crate) foot_error: f64,
+    /// Whether the lamp is known, so that shadows tell the lean of boxes.
+    pub(crate) lit: bool,
+}
+
+impl Sharpener<'_> {
+    /// Moves each edge of a box to where the photo shows it.
+    ///
+    /// Sides that face the camera are seen at their foot, the others at the top, from where the lean
+    /// leads to the foot; the lean is measured at the top edges of the sides that are seen.
+    pub(crate) fn sharpen(&self, seen: LeaningBox) -> Bounded {
+        let arena = self.look.frame.arena;
+        let foot = self.foot.unwrap_or(Point::new(0.0, 0.0));
+        let mut seen = if self.foot.is_some() { seen } else { LeaningBox { lean: 1.0, ..seen } };
+        let mut margin = [0.0; 4];
+        let mut doubt = 0.0;
+        for _ in 0..2 {
+            let mut edges: [f64; 4] = seen.base.into();
+            if self.foot.is_some() {
+                self.near_edges(seen, foot, &mut edges, &mut margin);
+                let near = LeaningBox { base: edges.into(), ..seen };
+                // A lean that is not seen is taken as none: the outline always covers the box.
+                let shown = self.lean(near, foot);
+                let lean = shown.unwrap_or(if self.lit { seen.lean } else { 1.0 });
+                let share = if shown.is_some() { SHOWN_DOUBT } else { SHADED_DOUBT };
+                doubt = LEAN_MARGIN.max(share * (lean - 1.0)).min(lean - 1.0);
+                seen = LeaningBox { lean, base: far_kept(seen, foot, edges, lean) };
+                edges = seen.base.into();
+            }
+            self.far_edges(seen, foot, doubt, &mut edges, &mut margin);
+            for margin in &mut margin {
+                *margin += self.foot_error * (seen.lean - 1.0);
+            }
+            for side in 0..4 {
+                let scale = self.scale(edges.into(), side);
+                if let Some(wall) =
+                    wall(arena, side, edges[side], WALL_METRES.max(WALL_PIXELS / scale))
+                {
+                    edges[side] = wall;
+                    margin[side] = SEEN_METRES;
+                }
+            }
+            seen.base = edges.into();
+        }
+        Bounded { rect: seen.base, margin }
+    }
+
+    /// The lean of a box whose sides can be told from its top.
+    pub(crate) fn shown_lean(&self, seen: LeaningBox) -> Option<f64> {
+        self.foot.and_then(|foot| self.lean(seen, foot))
+    }
+
+    fn scale(&self, rect: Rect, side: usize) -> f64 {
+        self.map.scale_at(middle(rect, side)).max(1e-6)
+    }
+
+    /// Measures the feet of the sides that face the camera.
+    fn near_edges(
+        &self,
+        seen: LeaningBox,
+        foot: Point,
+        edges: &mut [f64; 4],
+        margin: &mut [f64; 4],
+    ) {
+        for side in (0..4).filter(|&side| seen.faces(side, foot)) {
+            let view = EdgeView {
+                tools: *self,
+                rect: (*edges).into(),
+                side,
+                scale: self.scale(seen.base, side),
+                reach: REACH,
+            };
+            let place = view.place();
+            margin[side] = edge_margin(place.is_some(), view.scale);
+            edges[side] = place.unwrap_or(edges[side]);
+        }
+    }
+
+    /// Measures the top edges of the other sides and takes them down to the floor.
+    fn far_edges(
+        &self,
+        seen: LeaningBox,
+        foot: Point,
+        doubt: f64,
+        edges: &mut [f64; 4],
+        margin: &mut [f64; 4],
+    ) {
+        let leans = self.foot.is_some();
+        let top = seen.top(foot);
+        for side in (0..4).filter(|&side| !leans || !seen.faces(side, foot)) {
+            let view = EdgeView {
+                tools: *self,
+                rect: top,
+                side,
+                scale: self.scale(seen.base, side),
+                reach: REACH,
+            };
+            let place = view.place();
+            margin[side] = edge_margin(place.is_some(), view.scale);
+            let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
+            if let Some(edge) = place {
+                edges[side] = if leans { origin + (edge - origin) / seen.lean } else { edge };
+            }
+            if leans {
+                let lowest = seen.lean - doubt;
+                margin[side] += (edges[side] - origin).abs() * (seen.lean / lowest - 1.0);
+            }
+        }
+    }
+
+    /// The lean at which visible sides end and the top begins, if the photo shows that.
+    ///
+    /// All visible sides end at the same lean; a grain or a stripe on one of them does not.
+    fn lean(&self, seen: LeaningBox, foot: Point) -> Option<f64> {
+        let views: Vec<SideView> = (0..4)
+            .filter(|&side| seen.faces(side, foot))
+            .filter_map(|side| self.side_view(seen, foot, side))
+            .collect();
+        let total: f64 = views.iter().map(|view| view.weight).sum();
+        let clarity = |index: usize| {
+            let lean = 1.0 + index as f64 * LEAN_STEP;
+            views.iter().map(|view| view.weight * view.clarity_at(lean)).sum::<f64>()
+                / total.max(1e-9)
+        };
+        let clarities: Vec<f64> =
+            (0..((MOST_LEAN - 1.0) / LEAN_STEP) as usize).map(clarity).collect();
+        let guess = ((seen.lean - 1.0) / LEAN_STEP).round() as usize;
+        let guessed = seen.lean > LEAST_GUESS;
+        let (reach, least) = if guessed {
+            (GUESS_REACH, FACE_CONTRAST)
+        } else {
+            (UNGUESSED_REACH, UNGUESSED_CONTRAST)
+        };
+        let reach = (reach / LEAN_STEP) as usize;
+        let near = clarities.iter().enumerate().filter(|(index, _)| index.abs_diff(guess) <= reach);
+        let (best, &most) = near.max_by(|a, b| a.1.total_cmp(b.1))?;
+        (most > least).then_some(1.0 + best as f64 * LEAN_STEP)
+    }
+
+    /// The colours from the foot of a visible side inwards.
+    fn side_view(&self, seen: LeaningBox, foot: Point, side: usize) -> Option<SideView> {
+        let (base, bounds): ([f64; 4], [f64; 4]) = (seen.base.into(), seen.bounds(foot).into());
+        let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
+        let distance = (base[side] - origin).abs();
+        let scale = self.scale(seen.base, side);
+        let deepest =
+            ((MOST_LEAN - 1.0) * distance).min(0.7 * (bounds[side] - bounds[(side + 2) % 4]).abs());
+        let count = (deepest * scale / SIDE_STEP) as usize;
+        if count < 8 {
+            return None;
+        }
+        let length = (base[(side + 3) % 4] - base[(side + 1) % 4]).abs();
+        let colours = (0..count).map(|index| {
+            let mut sum = [0f32; 3];
+            for place in 0..PLACES / 2 {
+                let along = 0.15 + 0.7 * (place as f64 + 0.5) / (PLACES / 2) as f64;
+                let pixel = self.map.to_photo(at(
+                    seen.base,
+                    side,
+                    along,
+                    -(index as f64) * SIDE_STEP / scale,
+                ));
+                sum.iter_mut().zip(self.photo.light(pixel)).for_each(|(sum, light)| *sum += light);
+            }
+            feature(sum.map(|value| value / (PLACES / 2) as f32))
+        });
+        Some(SideView {
+            colours: colours.collect(),
+            distance: distance * scale,
+            weight: length * distance.min(GUESS_DISTANCE),
+        })
+    }
+}
+
+/// The colours from the foot of a visible side inwards, one sample every [`SIDE_STEP`] pixels.
+struct SideView {
+    colours: Vec<Feature>,
+    /// From the camera's foot point to the side's foot, pixels.
+    distance: f64,
+    weight: f64,
+}
+
+impl SideView {
+    /// How clearly a side ends at a lean: by the step there, and by the faces on both sides of it.
+    fn clarity_at(&self, lean: f64) -> f64 {
+        let end = ((lean - 1.0) * self.distance / SIDE_STEP).round() as usize;
+        let (first, blur) = ((FOOT_BLUR / SIDE_STEP) as usize, (FACE_BLUR / SIDE_STEP) as usize);
+        if end < first + 2 * blur || end + 2 * blur >= self.colours.len() {
+            return 0.0;
+        }
+        let mean = |from: usize, to: usize| {
+            let part = self.colours.get(from..to.min(self.colours.len())).unwrap_or(&[]);
+            [0, 1, 2].map(|axis| {
+                part.iter().map(|colour| colour[axis]).sum::<f32>() / part.len().max(1) as f32
+            })
+        };
+        let faces = distance(
+            mean(first, end - blur + 1),
+            mean(end + blur, end + blur + (end - first).max(2 * blur)),
+        );
+        let step = distance(self.colours[end - blur], self.colours[end + blur]);
+        f64::from(faces.min(step))
+    }
+}
+
+fn distance(a: Feature, b: Feature) -> f32 {
+    (0..3).map(|part| (a[part] - b[part]).powi(2)).sum::<f32>().sqrt()
+}
+
+/// The base whose far edges keep the top where it was when the lean changes.
+fn far_kept(seen: LeaningBox, foot: Point, edges: [f64; 4], lean: f64) -> Rect {
+    let mut kept = edges;
+    for side in (0..4).filter(|&side| !seen.faces(side, foot)) {
+        let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
+        kept[side] = origin + (edges[side] - origin) * seen.lean / lean;
+    }
+    kept.into()
+}
+
+fn edge_margin(seen: bool, scale: f64) -> f64 {
+    SEEN_METRES + if seen { SEEN_PIXELS } else { UNSEEN_PIXELS } / scale
+}
+
+/// The arena's side that an edge lies on, if it does.
+fn wall(arena: Arena, side: usize, edge: f64, reach: f64) -> Option<f64> {
+    let wall = [0.0, 0.0, arena.width, arena.height][side];
+    let outside = if side < 2 { edge < wall } else { edge > wall };
+    (outside || (edge - wall).abs() < reach).then_some(wall)
+}
+
+fn middle(rect: Rect, side: usize) -> Point {
+    at(rect, side, 0.5, 0.0)
+}
+
+/// The point at a share of an edge, moved `outward`, metres.
+pub(crate) fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
+    let (x, y) = (rect.x0 + along * (rect.x1 - rect.x0), rect.y0 + along * (rect.y1 - rect.y0));
+    match side {
+        0 => Point::new(rect.x0 - outward, y),
+        1 => Point::new(x, rect.y0 - outward),
+        2 => Point::new(rect.x1 + outward, y),
+        _ => Point::new(x, rect.y1 + outward),
+    }
+}
+
+/// One edge and how it is seen.
+struct EdgeView<'a> {
+    tools: Sharpener<'a>,
+    rect: Rect,
+    side: usize,
+    scale: f64,
+    /// How far the edge may be moved, pixels.
+    reach: f64,
+}
+
+impl EdgeView<'_> {
+    /// The edge's coordinate against the floor, metres.
+    fn place(&self) -> Option<f64> {
+        let mean = self.mean_profile(|along| self.borders_floor(along))?;
+        let change = [0, 1, 2].map(|channel| mean[mean.len() - 1][channel] - mean[0][channel]);
+        Some(self.coordinate(step(&mean, Some(change))?))
+    }
+
+    /// The light across the edge from inside to outside, averaged over the places where it is `usable`.
+    fn mean_profile(&self, usable: impl Fn(f64) -> bool) -> Option<Vec<[f32; 3]>> {
+        let count = (2.0 * (self.reach + 1.0) / SAMPLE_STEP) as usize + 1;
+        let mut sums = vec![[0f32; 3]; count];
+        let mut places = 0;
+        for place in 0..PLACES {
+            let along = END_SHARE + (1.0 - 2.0 * END_SHARE) * (place as f64 + 0.5) / PLACES as f64;
+            if !usable(along) {
+                continue;
+            }
+            places += 1;
+            for (index, sum) in sums.iter_mut().enumerate() {
+                let pixel = self.tools.map.to_photo(at(
+                    self.rect,
+                    self.side,
+                    along,
+                    self.outward(index as f64),
+                ));
+                sum.iter_mut()
+                    .zip(self.tools.photo.light(pixel))
+                    .for_each(|(sum, light)| *sum += light);
+            }
+        }
+        let mean = |sum: [f32; 3]| sum.map(|value| value / places as f32);
+        (places >= LEAST_PLACES).then(|| sums.into_iter().map(mean).collect())
+    }
+
+    fn outward(&self, index: f64) -> f64 {
+        (index * SAMPLE_STEP - self.reach - 1.0) / self.scale
+    }
+
+    fn coordinate(&self, index: f64) -> f64 {
+        let edge = at(self.rect, self.side, 0.5, self.outward(index));
+        if self.side.is_multiple_of(2) { edge.x } else { edge.y }
+    }
+
+    /// Whether floor lies outside the edge and something else inside.
+    fn borders_floor(&self, along: f64) -> bool {
+        let difference = |outward: f64| {
+            let point = at(self.rect, self.side, along, outward / self.scale);
+            self.tools.look.difference_at(point).map(|difference| difference.floor)
+        };
+        let outside = difference(REACH).is_some_and(|value| value < FOREIGN);
+        outside && difference(-REACH).is_some_and(|value| value > FOREIGN)
+    }
+}

@@ -1,0 +1,175 @@
+//! Where the camera stands: its foot point on the floor and its height, from the floor's map alone.
+//!
+//! The homography of a camera with focal length f (pixels) and its axis through the picture's centre
+//! has two columns that are images of orthogonal vectors of the same length; that gives f where the
+//! view is tilted. Straight from above f cannot be seen, but there the foot point needs no f: it
+//! lies at the picture's centre. A usual focal length is therefore taken as a weak prior.
+
+use super::floor_map::PlanMap;
+use crate::geometry::Point;
+use crate::vision::image::Photo;
+use nalgebra::{Matrix3, Vector3};
+
+/// The usual focal length in widths of the picture, and its standard deviation as a natural logarithm: 19 of
+/// 20 lenses have 0.6 to 2 widths.
+pub(crate) const USUAL_FOCAL: f64 = 1.05;
+pub(crate) const FOCAL_SPREAD: f64 = 0.3;
+/// How far the columns' angle (radians) and ratio of lengths may be off.
+const COLUMN_NOISE: f64 = 0.002;
+/// Focal lengths that are tried, in steps of this factor.
+const FOCAL_STEP: f64 = 1.02;
+const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
+/// A foot point is known no better than this, metres: the axis may miss the picture's centre.
+const LEAST_SPREAD: f64 = 0.05;
+
+/// The camera's place, metres in the arena frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Viewpoint {
+    /// The point of the floor straight below the camera.
+    pub(crate) foot: Point,
+    /// The camera's height above the floor; only a guess if seen straight from above.
+    pub(crate) height: f64,
+    /// How far the foot point may be off (one standard deviation), metres.
+    pub(crate) spread: f64,
+}
+
+impl Viewpoint {
+    /// How far a map is from that of any camera, in squared standard deviations.
+    ///
+    /// Four corners leave a homography free; that a camera made it, whatever its focal length, is a
+    /// condition that a wrong quadrilateral hardly ever meets.
+    pub(crate) fn misfit(photo: &Photo, map: &PlanMap) -> f64 {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        focal_lengths()
+            .map(|focal| misfit(&homography, focal * width))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The conditions that a camera with a focal length (widths of the picture) and its axis through the
+    /// picture's centre puts on a map, in standard deviations: the angle and the ratio of the columns, and
+    /// that the focal length is a usual one.
+    pub(crate) fn conditions(photo: &Photo, map: &PlanMap, focal: f64) -> [f64; 3] {
+        let [angle, ratio] = of_columns(&map.centred_homography(), focal * photo.width() as f64);
+        [angle, ratio, (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD]
+    }
+
+    /// The focal length that meets a map's conditions best, widths of the picture.
+    pub(crate) fn likeliest_focal(photo: &Photo, map: &PlanMap) -> f64 {
+        let homography = map.centred_homography();
+        let costs = focal_costs(&homography, photo.width() as f64);
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(USUAL_FOCAL, |(_, focal)| focal)
+    }
+
+    /// The viewpoint that a map implies; `None` if no camera could have it.
+    pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        let costs: Vec<(f64, f64)> = focal_costs(&homography, width).collect();
+        let &(least, focal) = costs.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let [x, y, height] = centre(&homography, focal * width)?;
+        let foot = Point::new(x, y);
+        // The mean square distance of the foot points of all focal lengths, by how likely each is.
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (cost, focal) in costs {
+            let weight = (0.5 * (least - cost)).exp();
+            if let Some([x, y, _]) = centre(&homography, focal * width) {
+                sum += weight * foot.distance(Point::new(x, y)).powi(2);
+                weights += weight;
+            }
+        }
+        Some(Self { foot, height, spread: (sum / weights).sqrt().hypot(LEAST_SPREAD) })
+    }
+}
+
+/// Focal lengths (widths of the picture), each after how unlikely it is for a homography.
+fn focal_costs(homography: &Matrix3<f64>, width: f64) -> impl Iterator<Item = (f64, f64)> {
+    focal_lengths().map(move |focal| {
+        let unusual = (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD;
+        (misfit(homography, focal * width) + unusual.powi(2), focal)
+    })
+}
+
+/// Focal lengths that cameras have, widths of the picture.
+fn focal_lengths() -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(FOCAL_RANGE.start), |focal| Some(focal * FOCAL_STEP))
+        .take_while(|&focal| focal < FOCAL_RANGE.end)
+}
+
+/// The columns of the rotation (times a scale) and the translation, for a focal length.
+pub(crate) fn columns(homography: &Matrix3<f64>, focal: f64) -> [Vector3<f64>; 3] {
+    let to_rays = Matrix3::from_diagonal(&Vector3::new(1.0 / focal, 1.0 / focal, 1.0));
+    let rays = to_rays * homography;
+    [0, 1, 2].map(|column| rays.column(column).into_owned())
+}
+
+/// How far the first two columns are from orthogonal and equal, in squared standard deviations.
+fn misfit(homography: &Matrix3<f64>, focal: f64) -> f64 {
+    of_columns(homography, focal).iter().map(|value| value * value).sum()
+}
+
+/// The angle and the ratio of lengths of the first two columns, in standard deviations.
+fn of_columns(homography: &Matrix3<f64>, focal: f64) -> [f64; 2] {
+    let [a, b, _] = columns(homography, focal);
+    let angle = a.dot(&b) / (a.norm() * b.norm()).max(1e-12);
+    let ratio = (a.norm() / b.norm().max(1e-12)).ln();
+    [angle / COLUMN_NOISE, ratio / COLUMN_NOISE]
+}
+
+/// The camera's centre in the arena frame.
+fn centre(homography: &Matrix3<f64>, focal: f64) -> Option<[f64; 3]> {
+    let [a, b, t] = columns(homography, focal);
+    let scale = 2.0 / (a.norm() + b.norm());
+    let (x, y, t) =
+        (a.normalize(), (b - a * (a.dot(&b) / a.norm_squared())).normalize(), t * scale);
+    let z = x.cross(&y);
+    let centre = [-x.dot(&t), -y.dot(&t), -z.dot(&t)];
+    let [cx, cy, height] = centre;
+    (cx.is_finite() && cy.is_finite() && height.abs() > 1e-6).then_some([cx, cy, height.abs()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Arena;
+    use nalgebra::Rotation3;
+
+    fn seen_from(position: Vector3<f64>, tilt: f64, turn: f64) -> (Photo, PlanMap) {
+        let photo = Photo::from_rgb(640, 480, vec![[0; 3]; 640 * 480]).unwrap();
+        let arena = Arena { width: 2.0, height: 1.5 };
+        let flip = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        let rotation = Rotation3::from_euler_angles(tilt, 0.0, turn).matrix() * flip;
+        let corners = super::super::floor_map::corner_points(arena).map(|[x, y]| {
+            let seen = rotation * (Vector3::new(x, y, 0.0) - position);
+            [319.5 + 650.0 * seen.x / seen.z, 239.5 + 650.0 * seen.y / seen.z]
+        });
+        let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        (photo, map)
+    }
+
+    #[test]
+    fn straight_from_above_the_foot_is_at_the_centre_of_the_picture() {
+        let (photo, map) = seen_from(Vector3::new(0.9, 0.8, 2.5), 0.0, 0.0);
+        let view = Viewpoint::of(&photo, &map).unwrap();
+        assert!(view.foot.distance(Point::new(0.9, 0.8)) < 0.005, "{view:?}");
+    }
+
+    #[test]
+    fn a_tilted_camera_is_placed_within_centimetres() {
+        let (photo, map) = seen_from(Vector3::new(0.6, 0.5, 2.8), 0.18, 0.3);
+        let view = Viewpoint::of(&photo, &map).unwrap();
+        assert!(view.foot.distance(Point::new(0.6, 0.5)) < 0.05, "{view:?}");
+        assert!((view.height - 2.8).abs() < 0.2, "{view:?}");
+    }
+
+    #[test]
+    fn a_true_view_fits_a_camera_and_a_misplaced_corner_does_not() {
+        let (photo, map) = seen_from(Vector3::new(0.6, 0.5, 2.8), 0.18, 0.3);
+        let arena = Arena { width: 2.0, height: 1.5 };
+        assert!(Viewpoint::misfit(&photo, &map) < 0.1);
+        let mut corners = map.ideal_corners(arena);
+        corners[1][0] += 15.0;
+        let wrong = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
+        assert!(Viewpoint::misfit(&photo, &wrong) > 16.0);
+    }
+}
