@@ -3,8 +3,8 @@
 
 use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};
-use hil_sim::simulation::{Brain, Simulation};
-use hil_sim::wire::Fate;
+use hil_sim::simulation::{Firmware, Simulation};
+use hil_sim::wire::FrameFault;
 use protocol::message::{CameraPose, Command, Fault, Report, State};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::{ParameterRefusal, Parameters};
@@ -26,15 +26,15 @@ fn two_metres() -> Vec<Leg> {
     to_legs(&way, 0.0, None, &options, &DEFAULT_LIMITS)
 }
 
-/// Drives 2 m and lets `meddle` act once after 2 s, in the cruise.
-fn drive_and(meddle: impl Fn(&mut Client)) -> (Result<Vec<MissionEvent>, MissionError>, Duration) {
+/// Drives 2 m and lets `disturb` act once after 2 s, in the cruise.
+fn drive_and(disturb: impl Fn(&mut Client)) -> (Result<Vec<MissionEvent>, MissionError>, Duration) {
     let mut ended = Duration::ZERO;
     let mut done = false;
     let result = drive(simulated_robot(START, 1), two_metres(), START, 60, |client, _| {
         ended = client.port_mut().now();
         if ended >= Duration::from_secs(2) && !done {
             done = true;
-            meddle(client);
+            disturb(client);
         }
     });
     (result.map(|(events, _)| events), ended)
@@ -60,7 +60,7 @@ fn an_emergency_stop_cuts_the_drive_at_once() {
 fn an_emergency_stop_is_said_until_it_is_heard() {
     for lost in 1..10 {
         let (result, ended) = drive_and(|client| {
-            client.port_mut().wires()[0].ordain(vec![Fate::Vanish; lost]);
+            client.port_mut().wires()[0].script(vec![FrameFault::Lost; lost]);
             client.emergency_stop();
         });
         assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
@@ -126,12 +126,12 @@ fn a_camera_brings_a_misplaced_robot_to_its_goal() {
 fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
     let (result, _) = drive_and(|client| {
         assert!(speed(client) > 0.39);
-        client.port_mut().brain_mut().set_battery(6.6);
+        client.port_mut().firmware_mut().set_battery(6.6);
         client.port_mut().wait(Duration::from_millis(100)).unwrap();
         hear(client);
         client.port_mut().wait(Duration::from_millis(250)).unwrap();
         assert!((speed(client) - 0.24).abs() < 0.01, "{}", speed(client));
-        client.port_mut().brain_mut().set_battery(6.0);
+        client.port_mut().firmware_mut().set_battery(6.0);
     });
     assert!(matches!(result, Err(MissionError::Fault(Fault::Battery))), "{result:?}");
 }
@@ -171,7 +171,7 @@ fn parameters_are_asked_for_set_and_kept_over_a_restart() {
     );
     let saved = answer(&mut client, Command::SaveParameters);
     assert_eq!(saved, Report::ParametersSaved { sequence: 1 });
-    let flash = client.port_mut().brain_mut().flash().clone();
+    let flash = client.port_mut().firmware_mut().flash().clone();
     let mut client = connected(flash);
     assert_eq!(client.robot().unwrap().limits.track, Metres(0.1225));
     assert_eq!(answer(&mut client, Command::GetParameters), Report::Parameters(parameters));
