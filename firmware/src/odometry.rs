@@ -14,8 +14,8 @@
 //! | Δ | change of heading in this tick | rad |
 
 use crate::kinematics::BaseGeometry;
-use crate::parameters::Parameters;
 use protocol::motion::Pose;
+use protocol::parameters::Parameters;
 use protocol::trigonometry::sin_cos;
 use protocol::units::{Metres, Radians};
 
