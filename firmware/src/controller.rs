@@ -20,6 +20,7 @@ use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
 use crate::odometry::{Odometry, Rims};
 use crate::pace::Pace;
+use crate::pose_gate::PoseGate;
 use crate::pose_history::PoseHistory;
 use crate::progress::Progress;
 use crate::signals::{Event, Outcome, Sensors};
@@ -66,6 +67,7 @@ pub struct Controller {
     pace: Pace,
     odometry: Odometry,
     history: PoseHistory,
+    gate: PoseGate,
     counts: [i32; 2],
     wheels: WheelPair,
     battery: Battery,
@@ -86,6 +88,7 @@ impl Controller {
             pace: Pace::FULL,
             odometry: Odometry::new(Pose::default(), counts),
             history: PoseHistory::default(),
+            gate: PoseGate::UNKNOWN,
             counts,
             wheels: WheelPair::new(&parameters, counts),
             battery: Battery::default(),
@@ -196,6 +199,7 @@ impl Controller {
         if let Placement::Start(pose) = header.placement {
             self.odometry = Odometry::new(pose, self.counts);
             self.history.clear();
+            self.gate = PoseGate::known(0);
         }
         if self.is_at_rest() {
             self.progress = Progress::new(self.odometry.pose());
@@ -219,6 +223,11 @@ impl Controller {
             return Err(PoseRefusal::NotSane);
         }
         let driven = self.history.at(age).ok_or(PoseRefusal::TooOld)?;
+        let estimate = self.odometry.estimate(driven);
+        if !self.gate.admits(seen, estimate, age, &self.parameters.limits()) {
+            return Err(PoseRefusal::Implausible);
+        }
+        self.gate = PoseGate::known(age);
         self.odometry.correct(seen, driven);
         Ok(())
     }
@@ -265,6 +274,7 @@ impl Controller {
         self.counts = sensors.counts;
         self.odometry.update(sensors.counts, &self.rims);
         self.history.push(self.odometry.driven());
+        self.gate.pass(1 + u16::from(sensors.missed_ticks));
         let battery = self.update_battery(sensors.battery);
         if sensors.missed_ticks > LATEST_TICKS && !self.is_at_rest() {
             self.cut(Fault::TickOverrun);

@@ -24,6 +24,7 @@ pub mod odometry;
 mod outbox;
 mod pace;
 pub mod parameter_store;
+mod pose_gate;
 mod pose_history;
 mod progress;
 pub mod robot;

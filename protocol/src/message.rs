@@ -20,7 +20,7 @@ pub use crate::telemetry::Telemetry;
 use serde::{Deserialize, Serialize};
 
 /// The version of the rules; both ends must have the same for the robot to move.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 
 /// The most legs that the robot keeps: those not yet driven, and those whose end is not yet reported.
 pub const MAX_LEGS: usize = 32;
@@ -75,7 +75,7 @@ pub enum Command {
         /// As for [`Stop`](Self::Stop), with which it is counted.
         number: u8,
     },
-    /// Says where a camera saw the robot; refused with [`Report::PoseRefused`].
+    /// Says where a camera saw the robot; refused with [`Report::PoseRefused`] where it cannot be right.
     SetPose(CameraPose),
     /// Asks for the robot's numbers; answered by [`Report::Parameters`].
     GetParameters,
@@ -191,6 +191,9 @@ pub enum PoseRefusal {
     TooOld,
     /// The exposure has not happened yet.
     InFuture,
+    /// It lies further from the robot's own estimate at the exposure than the wheels can have led odometry
+    /// astray since the last accepted pose, camera errors allowed for.
+    Implausible,
 }
 
 /// The battery's voltage and what it means.
