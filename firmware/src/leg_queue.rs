@@ -89,7 +89,7 @@ impl LegQueue {
         self.waiting.pop_front()
     }
 
-    /// Takes note that a leg has ended.
+    /// Records that a leg has ended.
     pub(crate) fn finish_leg(&mut self, index: u16) {
         self.done = index.wrapping_add(1);
     }

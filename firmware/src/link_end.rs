@@ -82,7 +82,7 @@ impl LinkEnd {
                 Some(Received::Urgent(command))
             }
             None => {
-                // The host speaks of a session from before a restart: tell it. A stop counts anyway.
+                // The host speaks of a session from before a restart: a hello says so. A stop counts anyway.
                 self.hello_due = true;
                 matches!(command, Command::Stop { .. } | Command::EmergencyStop { .. })
                     .then_some(Received::Urgent(command))
@@ -179,7 +179,7 @@ impl LinkEnd {
     }
 
     fn record_stop(&mut self, number: u8) {
-        // A stop that others have overtaken is not the newest; half the circle tells which.
+        // A stop that others have overtaken is not the newest; half the circle decides which.
         if number.wrapping_sub(self.stop) < 128 {
             self.stop = number;
         }

@@ -124,7 +124,7 @@ impl WheelLoop {
         self.count.wrapping_sub(oldest) as f32 * model.speed_per_count
     }
 
-    /// What is wrong with the wheel, if anything: it stalls, or its encoder tells the impossible.
+    /// What is wrong with the wheel, if anything: it stalls, or its encoder counts what cannot be.
     pub(crate) fn fault(&self) -> Option<Fault> {
         if self.leapt || self.backward_ticks >= BACKWARD_TICKS {
             Some(Fault::Encoder)

@@ -25,7 +25,7 @@ pub struct InProcess {
 pub type Flash = [Vec<u8>; 2];
 
 impl InProcess {
-    /// A robot with `parameters` that has just started; `nonce` tells this start from others.
+    /// A robot with `parameters` that has just started; `nonce` distinguishes this start from others.
     pub fn new(parameters: Parameters, nonce: u32) -> Self {
         Self::with_flash(parameters, nonce, Flash::default())
     }

@@ -10,7 +10,7 @@ use protocol::units::MetresPerSecond;
 /// How much faster the paper's robot is than the default one.
 const PAPER_SPEED_UP: f32 = 2.0;
 
-/// The robot of the paper's experiment, as far as its figures tell.
+/// The robot of the paper's experiment, as far as its figures show.
 ///
 /// *Deviation:* the paper names no limits of its robot, but its mission of three legs in 9 s each has a
 /// drive of 1.05 m in 3 s, which peaks at 2 D/ε = 0.7 m/s; the default robot allows 0.4 m/s and could
