@@ -77,7 +77,7 @@ fn disturbed(
 fn motors_after(fault: Fault) -> (Duration, Step) {
     let (mut driven, mut last) = (Duration::ZERO, Step::default());
     disturbed(Duration::from_millis(1000), |client| {
-        let pico = client.port_mut().brain_mut();
+        let pico = client.port_mut().firmware_mut();
         let millisecond = Duration::from_millis(1);
         let before = pico.step(millisecond, &[], [400, 400]).unwrap();
         assert_ne!(before.duty, [0.0; 2], "the robot should be driving");
@@ -105,7 +105,7 @@ fn the_elf_drives_a_mission_to_its_goal_the_same_way_every_time() {
         assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
         assert!((end.heading - GOAL_HEADING).abs() < HEADING_TOLERANCE, "{end:?}");
         let counts = [0; 2];
-        assert_eq!(simulation.brain_mut().step(POLL, &[], counts).unwrap().resets, 0);
+        assert_eq!(simulation.firmware_mut().step(POLL, &[], counts).unwrap().resets, 0);
         poses
     };
     assert_eq!(run(), run());
@@ -167,7 +167,7 @@ fn the_host_notices_a_restart_and_hears_why() {
         (Some(Fault::FreezeThread), ResetCause::Watchdog),
     ] {
         let end = disturbed(Duration::from_millis(1000), |client| {
-            let pico = client.port_mut().brain_mut();
+            let pico = client.port_mut().firmware_mut();
             match fault {
                 None => pico.reset().unwrap(),
                 Some(fault) => pico.inject(fault).unwrap(),
@@ -188,10 +188,10 @@ fn late_ticks_cut_the_drive_once_there_are_too_many() {
         let robot = drive(robot(), legs(), START, 60, |client, _| {
             if !frozen && client.port_mut().now() > Duration::from_millis(1000) {
                 frozen = true;
-                let pico = client.port_mut().brain_mut();
+                let pico = client.port_mut().firmware_mut();
                 pico.inject(Fault::Freeze).unwrap();
                 client.port_mut().wait(standstill).unwrap();
-                client.port_mut().brain_mut().inject(Fault::None).unwrap();
+                client.port_mut().firmware_mut().inject(Fault::None).unwrap();
             }
         });
         robot.map(|(_, simulation)| simulation.truth().pose)
@@ -220,7 +220,7 @@ fn the_boot_loader_is_entered_on_command_at_rest() {
         client.port_mut().wait(POLL).unwrap();
     }
     assert!(asked, "the robot did not answer");
-    let step = client.port_mut().brain_mut().step(POLL, &[], [0; 2]).unwrap();
+    let step = client.port_mut().firmware_mut().step(POLL, &[], [0; 2]).unwrap();
     assert!(step.boot_loader && !step.driver_enabled, "{step:?}");
 }
 

@@ -3,7 +3,7 @@
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::{EmulatedPico, Tick};
-use hil_sim::simulation::{Brain, Simulation};
+use hil_sim::simulation::{Firmware, Simulation};
 use protocol::motion::{Pose, Timing};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ struct Watched {
     ticks: Vec<Tick>,
 }
 
-impl Brain for Watched {
+impl Firmware for Watched {
     const STEP: Duration = Duration::from_millis(1);
 
     fn step(
@@ -48,7 +48,7 @@ impl Brain for Watched {
         sent: &mut VecDeque<u8>,
     ) -> io::Result<[f64; 2]> {
         let step =
-            self.pico.step(<Self as Brain>::STEP, received, counts).map_err(io::Error::other)?;
+            self.pico.step(<Self as Firmware>::STEP, received, counts).map_err(io::Error::other)?;
         sent.extend(step.uart_out);
         self.ticks.extend(step.ticks);
         Ok(step.duty)
@@ -68,7 +68,7 @@ fn mission() -> (Vec<Tick>, u32) {
     let options = LegOptions { timing: Timing::Limits, reverse: true };
     let legs = to_legs(&way, 0.5, Some(2.0), &options, &DEFAULT_LIMITS);
     let (_, mut robot) = drive(robot, legs, Pose::new(0.0, 0.0, 0.5), 60, |_, _| {}).unwrap();
-    let watched = robot.brain_mut();
+    let watched = robot.firmware_mut();
     (std::mem::take(&mut watched.ticks), watched.pico.stack_high_water().unwrap())
 }
 

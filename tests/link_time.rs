@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]
 
 use hil_sim::in_process::InProcess;
-use hil_sim::wire::{Fate, Faults, Pace, Wire};
+use hil_sim::wire::{Faults, FrameFault, Pace, Wire};
 use protocol::frame::{Decoder, MAX_FRAME};
 use protocol::message::{Command, MAX_LEGS, State};
 use protocol::session::Session;
@@ -113,7 +113,7 @@ fn a_stop_overtakes_everything() {
         let now = client.port_mut().now();
         client.poll(now).unwrap();
         let arrival = client.port_mut().wires()[0].last_arrival();
-        while client.port_mut().brain_mut().robot().state() != State::Stopped {
+        while client.port_mut().firmware_mut().robot().state() != State::Stopped {
             client.port_mut().wait(MILLISECOND).unwrap();
             let now = client.port_mut().now();
             assert!(now <= arrival + 5 * MILLISECOND, "{now:?} {arrival:?}");
@@ -138,7 +138,7 @@ fn delays(round_trip: u32, lost: u32, messages: u32) -> Vec<u32> {
         if millisecond % interval == 0 && millisecond / interval < messages {
             host.send(millisecond).unwrap();
             if millisecond / interval == lost {
-                there.ordain([Fate::Vanish]);
+                there.script([FrameFault::Lost]);
             }
         }
         let length = host.poll(clock, &mut frame);
@@ -184,7 +184,7 @@ fn a_robot_that_was_reset_is_noticed_and_the_mission_resumed() {
     let mut mission = Mission::new(legs.clone(), ORIGIN);
     let before = drive_into_third_leg(&mut client, &mut mission);
     let reset = client.port_mut().now();
-    *client.port_mut().brain_mut() = InProcess::new(Default::default(), 99);
+    *client.port_mut().firmware_mut() = InProcess::new(Default::default(), 99);
     let error = step_until(&mut client, &mut mission, 5, |_, _| false).unwrap_err();
     assert!(matches!(error, MissionError::Link(LinkError::Restarted(_))), "{error}");
     assert!(client.port_mut().now() - reset < NOTICED);
@@ -192,7 +192,7 @@ fn a_robot_that_was_reset_is_noticed_and_the_mission_resumed() {
     assert_eq!(next, 2);
     let mut port = client.into_port();
     port.wait(Duration::from_secs(1)).unwrap();
-    assert_eq!(port.brain_mut().robot().state(), State::Idle);
+    assert_eq!(port.firmware_mut().robot().state(), State::Idle);
     // The base has coasted to rest; somebody puts it where the host last saw it.
     let mut client = LinkClient::new(port, 100);
     let mut mission = Mission::resume_from(legs, Progress { next, pose });
@@ -211,7 +211,7 @@ fn a_host_that_was_restarted_goes_on_where_the_robot_waits() {
     let mut mission = Mission::resume_from(legs, Progress { next: 0, pose: ORIGIN });
     let mut waited = None;
     let after = step_until(&mut client, &mut mission, 30, |client, events| {
-        if matches!(client.port_mut().brain_mut().robot().state(), State::Paused(_)) {
+        if matches!(client.port_mut().firmware_mut().robot().state(), State::Paused(_)) {
             waited.get_or_insert(client.port_mut().now());
         }
         is_done(client, events)
@@ -235,13 +235,13 @@ fn a_cable_that_is_plugged_in_again_does_not_end_the_mission() {
     let mut during =
         step_until(&mut client, &mut mission, 9, |client, _| client.port_mut().now() > back)
             .unwrap();
-    assert!(matches!(client.port_mut().brain_mut().robot().state(), State::Paused(_)));
+    assert!(matches!(client.port_mut().firmware_mut().robot().state(), State::Paused(_)));
     let whole = Faults::default();
     client.port_mut().wires().into_iter().for_each(|wire| wire.change(whole, UART));
     let mut resumed = None;
     during.extend(
         step_until(&mut client, &mut mission, 30, |client, events| {
-            if client.port_mut().brain_mut().robot().state() == State::Driving {
+            if client.port_mut().firmware_mut().robot().state() == State::Driving {
                 resumed.get_or_insert(client.port_mut().now());
             }
             is_done(client, events)

@@ -3,9 +3,11 @@
 
 use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};
-use hil_sim::simulation::{Brain, Simulation};
-use hil_sim::wire::Fate;
-use protocol::message::{CameraPose, Command, Fault, Report, State};
+use hil_sim::simulation::{Firmware, Simulation};
+use hil_sim::wire::FrameFault;
+use protocol::message::{
+    CameraPose, Command, Fault, Placement, PlanHeader, PoseRefusal, Report, State, plan_digest,
+};
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::{ParameterRefusal, Parameters};
 use protocol::units::Metres;
@@ -26,15 +28,15 @@ fn two_metres() -> Vec<Leg> {
     to_legs(&way, 0.0, None, &options, &DEFAULT_LIMITS)
 }
 
-/// Drives 2 m and lets `meddle` act once after 2 s, in the cruise.
-fn drive_and(meddle: impl Fn(&mut Client)) -> (Result<Vec<MissionEvent>, MissionError>, Duration) {
+/// Drives 2 m and lets `disturb` act once after 2 s, in the cruise.
+fn drive_and(disturb: impl Fn(&mut Client)) -> (Result<Vec<MissionEvent>, MissionError>, Duration) {
     let mut ended = Duration::ZERO;
     let mut done = false;
     let result = drive(simulated_robot(START, 1), two_metres(), START, 60, |client, _| {
         ended = client.port_mut().now();
         if ended >= Duration::from_secs(2) && !done {
             done = true;
-            meddle(client);
+            disturb(client);
         }
     });
     (result.map(|(events, _)| events), ended)
@@ -60,7 +62,7 @@ fn an_emergency_stop_cuts_the_drive_at_once() {
 fn an_emergency_stop_is_said_until_it_is_heard() {
     for lost in 1..10 {
         let (result, ended) = drive_and(|client| {
-            client.port_mut().wires()[0].ordain(vec![Fate::Vanish; lost]);
+            client.port_mut().wires()[0].script(vec![FrameFault::Lost; lost]);
             client.emergency_stop();
         });
         assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
@@ -99,7 +101,7 @@ fn wheels_that_spin_before_a_camera_make_no_progress() {
     assert!(matches!(result, Err(MissionError::Fault(Fault::NoProgress))), "{:?}", result.err());
 }
 
-/// Tells the robot where it really is now.
+/// Sends the robot its true pose of this moment.
 fn see(client: &mut Client) {
     let TruePose { x, y, heading } = client.port_mut().truth().pose;
     let pose = Pose::new(x as f32, y as f32, heading as f32);
@@ -126,14 +128,92 @@ fn a_camera_brings_a_misplaced_robot_to_its_goal() {
 fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
     let (result, _) = drive_and(|client| {
         assert!(speed(client) > 0.39);
-        client.port_mut().brain_mut().set_battery(6.6);
+        client.port_mut().firmware_mut().set_battery(6.6);
         client.port_mut().wait(Duration::from_millis(100)).unwrap();
         hear(client);
         client.port_mut().wait(Duration::from_millis(250)).unwrap();
         assert!((speed(client) - 0.24).abs() < 0.01, "{}", speed(client));
-        client.port_mut().brain_mut().set_battery(6.0);
+        client.port_mut().firmware_mut().set_battery(6.0);
     });
     assert!(matches!(result, Err(MissionError::Fault(Fault::Battery))), "{result:?}");
+}
+
+/// A robot that drives its two metres, from a plan sent by hand, so that every report can be seen.
+fn driving() -> Client {
+    let mut client = connected(Flash::default());
+    let legs = two_metres();
+    let (plan, count, digest) = (legs[0].plan, legs.len() as u16, plan_digest(&legs));
+    let placement = Placement::Start(START);
+    assert!(client.send(Command::PlanBegin(PlanHeader {
+        plan,
+        first: 0,
+        count,
+        digest,
+        placement
+    })));
+    legs.into_iter().for_each(|leg| assert!(client.send(Command::PlanLeg(leg))));
+    let accepted = answer(&mut client, Command::PlanCommit { plan });
+    assert_eq!(accepted, Report::PlanAccepted { plan, end: count });
+    wait(&mut client, 200);
+    assert_eq!(client.telemetry().unwrap().state, State::Driving);
+    client
+}
+
+fn wait(client: &mut Client, polls: u32) -> Vec<Report> {
+    (0..polls).flat_map(|_| hear(client)).collect()
+}
+
+/// The robot's true pose now, moved by `dx` along x, as a camera would give it.
+fn camera_pose(client: &mut Client, dx: f64) -> CameraPose {
+    let TruePose { x, y, heading } = client.port_mut().truth().pose;
+    let pose = Pose::new((x + dx) as f32, y as f32, heading as f32);
+    CameraPose { ticks: (client.port_mut().now().as_millis() / 5) as u32, pose }
+}
+
+#[test]
+fn a_robot_without_a_pose_takes_any_at_rest_and_then_only_near_ones() {
+    let mut client = connected(Flash::default());
+    let first = camera_pose(&mut client, 7.0);
+    assert!(client.send(Command::SetPose(first)));
+    assert_eq!(wait(&mut client, 10), []);
+    assert!((client.telemetry().unwrap().pose.x.0 - 7.0).abs() < 1e-3);
+    let far = camera_pose(&mut client, 6.0);
+    let refused = answer(&mut client, Command::SetPose(far));
+    assert_eq!(refused, Report::PoseRefused { ticks: far.ticks, reason: PoseRefusal::Implausible });
+    let near = camera_pose(&mut client, 7.04);
+    assert!(client.send(Command::SetPose(near)));
+    assert_eq!(wait(&mut client, 10), []);
+    assert!((client.telemetry().unwrap().pose.x.0 - 7.04).abs() < 1e-3);
+}
+
+#[test]
+fn an_implausible_camera_pose_is_refused_and_moves_nothing() {
+    let run = |jump: Option<f64>| {
+        let mut client = driving();
+        let near = camera_pose(&mut client, 0.0);
+        assert!(client.send(Command::SetPose(near)));
+        assert_eq!(wait(&mut client, 20), []);
+        let mut seen = camera_pose(&mut client, jump.unwrap_or_default());
+        if jump.is_none() {
+            seen = near;
+        }
+        assert!(client.send(Command::SetPose(seen)));
+        // In 0.3 s the limit of 0.8 m/s² lets a speed change by 0.24 m/s, the distance by 36 mm.
+        let reports = wait(&mut client, 60);
+        (seen.ticks, reports, client.port_mut().truth().pose)
+    };
+    let (_, reports, undisturbed) = run(None);
+    assert_eq!(reports, []);
+    // 50 mm and 0.1 s at 0.4 m/s are allowed for.
+    for jump in [0.15, -0.15, 1.0] {
+        let (ticks, reports, pose) = run(Some(jump));
+        let reason = PoseRefusal::Implausible;
+        assert_eq!(reports, [Report::PoseRefused { ticks, reason }], "{jump}");
+        assert!((pose.x - undisturbed.x).abs() < 1e-3 && (pose.y - undisturbed.y).abs() < 1e-3);
+    }
+    let (_, reports, pose) = run(Some(0.05));
+    assert_eq!(reports, []);
+    assert!(undisturbed.x - pose.x > 0.005, "a plausible pose is followed: {pose:?}");
 }
 
 fn connected(flash: Flash) -> Client {
@@ -171,7 +251,7 @@ fn parameters_are_asked_for_set_and_kept_over_a_restart() {
     );
     let saved = answer(&mut client, Command::SaveParameters);
     assert_eq!(saved, Report::ParametersSaved { sequence: 1 });
-    let flash = client.port_mut().brain_mut().flash().clone();
+    let flash = client.port_mut().firmware_mut().flash().clone();
     let mut client = connected(flash);
     assert_eq!(client.robot().unwrap().limits.track, Metres(0.1225));
     assert_eq!(answer(&mut client, Command::GetParameters), Report::Parameters(parameters));
@@ -186,11 +266,12 @@ fn parameters_that_make_no_sense_or_come_while_driving_are_refused() {
         matches!(refusal, Report::ParametersRefused(ParameterRefusal::OutOfRange { field: 2, .. })),
         "{refusal:?}"
     );
-    let (result, _) = drive_and(|client| {
-        client.send(Command::SetParameters(Parameters::default()));
-        client.send(Command::SaveParameters);
-        // The mission does not look at these answers; that it goes on is what counts.
-        assert!(matches!(client.telemetry().map(|t| t.state), Some(State::Driving)));
-    });
-    assert!(result.is_ok(), "{result:?}");
+    let mut client = driving();
+    let refused = Report::ParametersRefused(ParameterRefusal::NotAtRest);
+    let other = Parameters { track: Metres(0.1225), ..Parameters::default() };
+    assert_eq!(answer(&mut client, Command::SetParameters(other)), refused);
+    assert_eq!(answer(&mut client, Command::SaveParameters), refused);
+    let kept = answer(&mut client, Command::GetParameters);
+    assert_eq!(kept, Report::Parameters(Parameters::default()));
+    assert_eq!(client.telemetry().unwrap().state, State::Driving);
 }

@@ -15,19 +15,19 @@ const HYSTERESIS: f32 = 1.05;
 
 /// The battery of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Battery {
+pub(crate) struct Battery {
     filtered: Option<f32>,
     level: BatteryLevel,
 }
 
 impl Battery {
     /// What the voltage means.
-    pub fn level(&self) -> BatteryLevel {
+    pub(crate) fn level(&self) -> BatteryLevel {
         self.level
     }
 
     /// Takes in this tick's measurement, volts; says so if the level has changed.
-    pub fn update(&mut self, volts: f32, levels: &BatteryLevels) -> Option<BatteryReport> {
+    pub(crate) fn update(&mut self, volts: f32, levels: &BatteryLevels) -> Option<BatteryReport> {
         let before = self.filtered.unwrap_or(volts);
         let volts = before + (volts - before) * (TICK.0 / FILTER_SECONDS);
         self.filtered = Some(volts);

@@ -20,17 +20,19 @@ use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
 use crate::odometry::{Odometry, Rims};
 use crate::pace::Pace;
-use crate::parameters::Parameters;
+use crate::pose_gate::PoseGate;
 use crate::pose_history::PoseHistory;
 use crate::progress::Progress;
 use crate::signals::{Event, Outcome, Sensors};
 use crate::tracker;
 use crate::wheel_pair::WheelPair;
 use protocol::message::{
-    BatteryLevel, BatteryReport, Fault, PauseReason, Placement, PlanRefusal, PoseRefusal, State,
+    BatteryLevel, BatteryReport, Driven, Fault, PauseReason, Placement, PlanHeader, PlanRefusal,
+    PoseRefusal, State,
 };
 use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
 use protocol::parameters::ParameterRefusal;
+use protocol::parameters::Parameters;
 
 /// After the last leg the robot holds its goal for this long, ticks, so that the wheels come to rest
 /// where they should.
@@ -65,6 +67,7 @@ pub struct Controller {
     pace: Pace,
     odometry: Odometry,
     history: PoseHistory,
+    gate: PoseGate,
     counts: [i32; 2],
     wheels: WheelPair,
     battery: Battery,
@@ -85,6 +88,7 @@ impl Controller {
             pace: Pace::FULL,
             odometry: Odometry::new(Pose::default(), counts),
             history: PoseHistory::default(),
+            gate: PoseGate::UNKNOWN,
             counts,
             wheels: WheelPair::new(&parameters, counts),
             battery: Battery::default(),
@@ -154,9 +158,19 @@ impl Controller {
         matches!(self.activity, Activity::Resting)
     }
 
-    /// The plan that is being received.
-    pub fn queue(&mut self) -> &mut LegQueue {
-        &mut self.queue
+    /// The plan and how far it has been driven; `None` after a start or stop.
+    pub fn driven(&self) -> Option<Driven> {
+        self.queue.driven()
+    }
+
+    /// Announces a batch of legs; what was collected of an earlier one is forgotten.
+    pub fn announce(&mut self, header: PlanHeader) {
+        self.queue.begin(header);
+    }
+
+    /// Forgets the legs of `plan` that have not begun.
+    pub fn cancel(&mut self, plan: u32) {
+        self.queue.cancel(plan);
     }
 
     /// Collects a leg of the batch that was announced.
@@ -166,11 +180,12 @@ impl Controller {
 
     /// Takes the collected batch of legs over; a robot that has nothing else to drive begins it.
     ///
-    /// `room` is how many legs the robot may have, the one under way included.
+    /// `room` is how many legs the robot may have, the one under way included. Returns the index after
+    /// the plan's last leg.
     ///
     /// # Errors
     /// [`PlanRefusal`]; then nothing has changed.
-    pub fn commit(&mut self, plan: u32, room: usize) -> Result<(), PlanRefusal> {
+    pub fn commit(&mut self, plan: u32, room: usize) -> Result<u16, PlanRefusal> {
         if matches!(self.state, State::Stopped | State::Faulted(_)) {
             return Err(PlanRefusal::NotCleared);
         }
@@ -184,6 +199,7 @@ impl Controller {
         if let Placement::Start(pose) = header.placement {
             self.odometry = Odometry::new(pose, self.counts);
             self.history.clear();
+            self.gate = PoseGate::known(0);
         }
         if self.is_at_rest() {
             self.progress = Progress::new(self.odometry.pose());
@@ -194,10 +210,10 @@ impl Controller {
         if !under_way && let Some(leg) = self.queue.next_leg() {
             self.begin(leg);
         }
-        Ok(())
+        Ok(header.first.wrapping_add(header.count))
     }
 
-    /// Takes a camera's word for where the robot was `age` ticks ago; the estimate may jump, the
+    /// Corrects the pose by where a camera saw the robot `age` ticks ago; the estimate may jump, the
     /// wheels follow within their limits.
     ///
     /// # Errors
@@ -207,6 +223,11 @@ impl Controller {
             return Err(PoseRefusal::NotSane);
         }
         let driven = self.history.at(age).ok_or(PoseRefusal::TooOld)?;
+        let estimate = self.odometry.estimate(driven);
+        if !self.gate.admits(seen, estimate, age, &self.parameters.limits()) {
+            return Err(PoseRefusal::Implausible);
+        }
+        self.gate = PoseGate::known(age);
         self.odometry.correct(seen, driven);
         Ok(())
     }
@@ -253,7 +274,8 @@ impl Controller {
         self.counts = sensors.counts;
         self.odometry.update(sensors.counts, &self.rims);
         self.history.push(self.odometry.driven());
-        let battery = self.heed_battery(sensors.battery);
+        self.gate.pass(1 + u16::from(sensors.missed_ticks));
+        let battery = self.update_battery(sensors.battery);
         if sensors.missed_ticks > LATEST_TICKS && !self.is_at_rest() {
             self.cut(Fault::TickOverrun);
         }
@@ -262,7 +284,7 @@ impl Controller {
         Outcome { duty, event, battery }
     }
 
-    fn heed_battery(&mut self, volts: Option<f32>) -> Option<BatteryReport> {
+    fn update_battery(&mut self, volts: Option<f32>) -> Option<BatteryReport> {
         let report = self.battery.update(volts?, &self.parameters.battery);
         if self.battery.level() == BatteryLevel::Empty && !self.is_halted() {
             self.state = State::Faulted(Fault::Battery);
@@ -320,6 +342,7 @@ impl Controller {
         if runs {
             return None;
         }
+        self.queue.finish_leg(runner.leg().index);
         match self.queue.next_leg() {
             Some(leg) if !self.is_halted() => self.begin(leg),
             left => {

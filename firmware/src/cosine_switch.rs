@@ -1,6 +1,10 @@
 //! Cosine switch control: from one chained state to another in 2(n - 2) + 1 intervals
 //! [Alghannam, Eq. 6-12].
 //!
+//! This is the paper's solver in its own form. The robot does not run it: for n = 3 its states are those
+//! of [`protocol::motion`]'s intervals, which add limits and a heading free of singularities. It is the
+//! oracle that those are tested against, and drives vehicles of more dimensions (n > 3) in tests.
+//!
 //! In odd intervals only v2 acts, in even ones only v1, each as c (1 - cos wt) with w = 2π/ε: it
 //! begins and ends at rest, so that the switch is smooth. The interval's whole change is c ε.
 //!

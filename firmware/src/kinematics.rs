@@ -13,6 +13,7 @@
 //! ρ = 1 the formulas are the paper's.
 
 use protocol::motion::{Twist, WheelSpeeds};
+use protocol::parameters::Parameters;
 use protocol::units::{Metres, MetresPerSecond, RadiansPerSecond};
 
 /// The lengths that tie wheels to body, with the reciprocals by which a control tick multiplies: on a
@@ -27,6 +28,12 @@ pub struct BaseGeometry {
     half_track: f32,
     /// 1/b, 1/m.
     per_track: f32,
+}
+
+impl From<&Parameters> for BaseGeometry {
+    fn from(parameters: &Parameters) -> Self {
+        Self::new(parameters.wheel_radius, parameters.wheel_ratio, parameters.track)
+    }
 }
 
 impl BaseGeometry {

@@ -16,7 +16,7 @@ use protocol::motion::{Leg, Limits};
 
 /// Legs announced, legs collected, legs to drive.
 #[derive(Clone, Debug, Default)]
-pub struct LegQueue {
+pub(crate) struct LegQueue {
     header: Option<PlanHeader>,
     collected: Vec<Leg, MAX_LEGS>,
     overflow: bool,
@@ -29,14 +29,14 @@ pub struct LegQueue {
 
 impl LegQueue {
     /// Announces a batch; forgets what was collected before.
-    pub fn begin(&mut self, header: PlanHeader) {
+    pub(crate) fn begin(&mut self, header: PlanHeader) {
         self.forget_batch();
         self.header = Some(header);
     }
 
     /// Collects a leg. One of another plan or out of order makes the batch incomplete; one that cannot
     /// be driven within `limits` makes it refused.
-    pub fn collect(&mut self, leg: Leg, limits: &Limits) {
+    pub(crate) fn collect(&mut self, leg: Leg, limits: &Limits) {
         if self.collected.push(leg).is_err() {
             self.overflow = true;
         } else if self.refusal.is_none() {
@@ -46,7 +46,7 @@ impl LegQueue {
     }
 
     /// Forgets what was announced and collected.
-    pub fn forget_batch(&mut self) {
+    pub(crate) fn forget_batch(&mut self) {
         self.header = None;
         self.collected.clear();
         self.overflow = false;
@@ -54,7 +54,7 @@ impl LegQueue {
     }
 
     /// Where the announced batch goes, if one is announced.
-    pub fn announced(&self) -> Option<Placement> {
+    pub(crate) fn announced(&self) -> Option<Placement> {
         self.header.map(|header| header.placement)
     }
 
@@ -65,7 +65,7 @@ impl LegQueue {
     /// # Errors
     /// [`PlanRefusal`] if it is not complete, does not fit, or a leg cannot be driven; the plan is
     /// then as before.
-    pub fn commit(&mut self, plan: u32, room: usize) -> Result<PlanHeader, PlanRefusal> {
+    pub(crate) fn commit(&mut self, plan: u32, room: usize) -> Result<PlanHeader, PlanRefusal> {
         let header =
             self.header.filter(|header| header.plan == plan).ok_or(PlanRefusal::Incomplete)?;
         let kept = self.check_place(&header)?;
@@ -85,22 +85,22 @@ impl LegQueue {
     }
 
     /// The next leg to drive, once each.
-    pub fn next_leg(&mut self) -> Option<Leg> {
+    pub(crate) fn next_leg(&mut self) -> Option<Leg> {
         self.waiting.pop_front()
     }
 
-    /// Takes note that a leg has ended.
-    pub fn finish_leg(&mut self, index: u16) {
+    /// Records that a leg has ended.
+    pub(crate) fn finish_leg(&mut self, index: u16) {
         self.done = index.wrapping_add(1);
     }
 
     /// The plan and how far it has been driven; `None` after a start or stop.
-    pub fn driven(&self) -> Option<Driven> {
+    pub(crate) fn driven(&self) -> Option<Driven> {
         self.plan.map(|plan| Driven { plan, next: self.done, end: self.end })
     }
 
     /// Forgets the legs of `plan` that have not begun.
-    pub fn cancel(&mut self, plan: u32) {
+    pub(crate) fn cancel(&mut self, plan: u32) {
         if self.plan == Some(plan) {
             self.end = self.begun();
             self.waiting.clear();
@@ -108,7 +108,7 @@ impl LegQueue {
     }
 
     /// Forgets the plan that is driven.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.plan = None;
         self.waiting.clear();
     }
@@ -170,8 +170,8 @@ impl LegQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
     use protocol::motion::{Direction, Pose, Position, Refusal, Timing};
+    use protocol::parameters::Parameters;
     use std::vec::Vec;
 
     fn leg(index: u16) -> Leg {

@@ -11,26 +11,26 @@
 #![cfg_attr(not(test), no_std)]
 #![warn(clippy::indexing_slicing)]
 
-pub mod battery;
+mod battery;
 pub mod chained_form;
 pub mod controller;
 pub mod cosine_switch;
 pub mod kinematics;
-pub mod leg_queue;
-pub mod leg_runner;
+mod leg_queue;
+mod leg_runner;
 mod link_end;
-pub mod math;
+mod math;
 pub mod odometry;
 mod outbox;
-pub mod pace;
+mod pace;
 pub mod parameter_store;
-pub mod parameters;
-pub mod pose_history;
-pub mod progress;
+mod pose_gate;
+mod pose_history;
+mod progress;
 pub mod robot;
 pub mod signals;
-pub mod speed_limiter;
-pub mod tracker;
+mod speed_limiter;
+mod tracker;
 mod version;
-pub mod wheel_loop;
-pub mod wheel_pair;
+mod wheel_loop;
+mod wheel_pair;

@@ -23,10 +23,10 @@ const RETIRED_HOSTS: usize = 8;
 
 /// What a byte from the wire completes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Heard {
+pub(crate) enum Received {
     /// A host that is not the one before.
     NewHost,
-    /// A command that overtakes those of the reliable lane.
+    /// A command that overtakes those of the reliable channel.
     Urgent(Command),
 }
 
@@ -64,11 +64,11 @@ impl LinkEnd {
         self.hello.limits = limits;
     }
 
-    /// Takes one byte; what it completes and cannot wait for the reliable lane is returned at once.
-    pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Heard> {
+    /// Takes one byte; what it completes and cannot wait for the reliable channel is returned at once.
+    pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Received> {
         let (header, command) = self.decoder.push::<Command>(byte)?.ok()?;
         if let Command::Hello(hello) = command {
-            return self.open(&hello, now).then_some(Heard::NewHost);
+            return self.open(&hello, now).then_some(Received::NewHost);
         }
         match self.session.as_mut().filter(|session| session.id() == header.session) {
             Some(session) => {
@@ -77,20 +77,20 @@ impl LinkEnd {
                     return None;
                 }
                 if let Command::Stop { number } | Command::EmergencyStop { number } = command {
-                    self.hear_stop(number);
+                    self.record_stop(number);
                 }
-                Some(Heard::Urgent(command))
+                Some(Received::Urgent(command))
             }
             None => {
-                // The host speaks of a session from before a restart: tell it. A stop counts anyway.
+                // The host speaks of a session from before a restart: a hello says so. A stop counts anyway.
                 self.hello_due = true;
                 matches!(command, Command::Stop { .. } | Command::EmergencyStop { .. })
-                    .then_some(Heard::Urgent(command))
+                    .then_some(Received::Urgent(command))
             }
         }
     }
 
-    /// The next command of the reliable lane.
+    /// The next command of the reliable channel.
     pub(crate) fn next_command(&mut self) -> Option<Command> {
         self.session.as_mut()?.next_message()
     }
@@ -110,12 +110,12 @@ impl LinkEnd {
         self.session.as_ref().map(|session| session.silence(now))
     }
 
-    /// Whether a report could be put on the reliable lane.
+    /// Whether a report could be put on the reliable channel.
     pub(crate) fn has_room(&self) -> bool {
         self.session.as_ref().is_some_and(|session| session.room() > 0)
     }
 
-    /// Puts a report on the reliable lane, if there is a session with room.
+    /// Puts a report on the reliable channel, if there is a session with room.
     pub(crate) fn report(&mut self, report: Report) -> bool {
         self.session.as_mut().is_some_and(|session| session.send(report).is_ok())
     }
@@ -178,8 +178,8 @@ impl LinkEnd {
         true
     }
 
-    fn hear_stop(&mut self, number: u8) {
-        // A stop that others have overtaken is not the newest; half the circle tells which.
+    fn record_stop(&mut self, number: u8) {
+        // A stop that others have overtaken is not the newest; half the circle decides which.
         if number.wrapping_sub(self.stop) < 128 {
             self.stop = number;
         }

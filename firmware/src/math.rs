@@ -1,35 +1,39 @@
-//! The one place where the robot computes a cosine by approximation.
+//! The one place where the robot computes by approximation.
 //!
-//! `micromath` takes 2.2 k cycles on an RP2040 where `libm` takes 5.4 k, but errs by 1.1e-3. That
-//! is good enough to *shape* a feed-forward velocity, which feedback corrects, and too coarse for
-//! anything that moves a pose; poses use `libm`.
+//! `micromath` takes a root by shifting a float's exponent: some ten instructions, where
+//! `libm::sqrtf` goes bit by bit on a processor without a floating-point unit. It errs by up to
+//! [`LENGTH_ERROR`], so it serves for lengths that are only compared with a threshold that
+//! itself is coarse. Whatever becomes a pose or a speed uses
+//! [`sin_cos`](protocol::trigonometry::sin_cos) and `libm`.
 
 use micromath::F32Ext;
 
-/// cos(`angle`) to [`COSINE_ERROR`], for feed-forward shapes only; radians.
-///
-/// ```
-/// assert!((wmr_firmware::math::cosine(1.0) - 0.5403).abs() < wmr_firmware::math::COSINE_ERROR);
-/// ```
-pub fn cosine(angle: f32) -> f32 {
+/// The length of (`x`, `y`), with an error of at most [`LENGTH_ERROR`] of it.
+pub(crate) fn approximate_length(x: f32, y: f32) -> f32 {
     // By path: as a method, the standard library's exact one would be taken in tests on a computer.
-    F32Ext::cos(angle)
+    F32Ext::sqrt(x * x + y * y)
 }
 
-/// The largest error of [`cosine`] in [-2π, 2π].
-pub const COSINE_ERROR: f32 = 1.2e-3;
+/// The largest error of [`approximate_length`], as a share of the length.
+#[cfg(test)]
+pub(crate) const LENGTH_ERROR: f32 = 0.0625;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_cosine_keeps_its_bound() {
-        let worst = (-6284..=6284)
-            .map(|step| f64::from(step) / 1000.0)
-            .map(|angle| (f64::from(cosine(angle as f32)) - angle.cos()).abs())
+    fn a_length_keeps_its_bound() {
+        // A root's error repeats with every factor of 4 of its square: 0.1 to 1 m sees all of it.
+        let worst = (1000..=10_000u16)
+            .map(|step| f64::from(step) / 10_000.0)
+            .map(|length| {
+                let (x, y) = (0.6 * length, -0.8 * length);
+                (f64::from(approximate_length(x as f32, y as f32)) / length - 1.0).abs()
+            })
             .fold(0.0, f64::max);
-        assert!(worst <= f64::from(COSINE_ERROR), "{worst}");
-        assert!(worst > 1e-4, "exact: the standard library's cosine was taken");
+        assert!(worst <= f64::from(LENGTH_ERROR), "{worst}");
+        assert!(worst > 1e-3, "exact: the standard library's root was taken");
+        assert!(approximate_length(0.0, 0.0) < 1e-9);
     }
 }

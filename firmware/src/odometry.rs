@@ -14,12 +14,12 @@
 //! | Δ | change of heading in this tick | rad |
 
 use crate::kinematics::BaseGeometry;
-use crate::parameters::Parameters;
 use protocol::motion::Pose;
+use protocol::parameters::Parameters;
 use protocol::trigonometry::sin_cos;
 use protocol::units::{Metres, Radians};
 
-/// The pose that the encoders tell.
+/// The pose that follows from the encoders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odometry {
     /// The odometry frame's origin in the arena.
@@ -55,6 +55,11 @@ impl Odometry {
     /// Where the robot is in the frame of odometry alone, which no correction moves.
     pub fn driven(&self) -> Pose {
         self.driven
+    }
+
+    /// Where the estimate had the robot in the arena when odometry had it at `driven`.
+    pub fn estimate(&self, driven: Pose) -> Pose {
+        self.frame.then(driven)
     }
 
     /// Moves the frame so that the robot was at `seen` when odometry had it at `driven`:

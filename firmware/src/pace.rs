@@ -17,19 +17,19 @@ const CREEP: f32 = 0.005;
 
 /// σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace(f32);
+pub(crate) struct Pace(f32);
 
 impl Pace {
     /// σ = 1.
-    pub const FULL: Self = Self(1.0);
+    pub(crate) const FULL: Self = Self(1.0);
 
     /// σ.
-    pub fn value(self) -> f32 {
+    pub(crate) fn value(self) -> f32 {
         self.0
     }
 
     /// The twist at this pace of what is planned as `planned`.
-    pub fn scale(self, planned: Twist) -> Twist {
+    pub(crate) fn scale(self, planned: Twist) -> Twist {
         Twist {
             linear: MetresPerSecond(planned.linear.0 * self.0),
             angular: RadiansPerSecond(planned.angular.0 * self.0),
@@ -37,19 +37,12 @@ impl Pace {
     }
 
     /// How many phases a tick is at this pace, if the wheels manage `share` of what is wanted of them.
-    pub fn phases(self, share: f32) -> u32 {
+    pub(crate) fn phases(self, share: f32) -> u32 {
         (self.0 * share * PHASES_PER_TICK as f32) as u32
     }
 
     /// One tick towards `target`, with the rims planned at (v, a) and allowed A.
-    ///
-    /// ```
-    /// use wmr_firmware::pace::Pace;
-    /// // 0.8 m/s² takes 0.4 m/s off in half a second, a hundred ticks.
-    /// let paces = (0..100).fold(Pace::FULL, |pace, _| pace.towards(0.0, (0.4, 0.0), 0.8));
-    /// assert!(paces.value() < 1e-3);
-    /// ```
-    pub fn towards(self, target: f32, (v, a): (f32, f32), limit: f32) -> Self {
+    pub(crate) fn towards(self, target: f32, (v, a): (f32, f32), limit: f32) -> Self {
         if self.0 == target || v < CREEP {
             return Self(target);
         }
@@ -66,6 +59,15 @@ impl Pace {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_stop_from_full_speed_by_hand() {
+        // 0.8 m/s² takes 0.4 m/s off in half a second, a hundred ticks.
+        let pace = (0..100).fold(Pace::FULL, |pace, _| pace.towards(0.0, (0.4, 0.0), 0.8));
+        assert!(pace.value() < 1e-3);
+        let pace = (0..90).fold(Pace::FULL, |pace, _| pace.towards(0.0, (0.4, 0.0), 0.8));
+        assert!((pace.value() - 0.1).abs() < 1e-3);
+    }
 
     proptest! {
         #[test]

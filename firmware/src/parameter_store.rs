@@ -13,9 +13,9 @@
 //!
 //! This module does no I/O: it says what to erase and write, and reads what it is shown.
 
-use crate::parameters::Parameters;
 use protocol::frame::checksum;
 use protocol::parameters::ENCODED_SIZE;
+use protocol::parameters::Parameters;
 
 /// The bytes of a record: one page of the flash.
 pub const RECORD_SIZE: usize = 256;

@@ -10,7 +10,7 @@ const LENGTH: usize = TICKS_PER_SECOND as usize;
 
 /// A ring of poses.
 #[derive(Clone, Debug)]
-pub struct PoseHistory {
+pub(crate) struct PoseHistory {
     poses: [Pose; LENGTH],
     next: usize,
     filled: usize,
@@ -24,7 +24,7 @@ impl Default for PoseHistory {
 
 impl PoseHistory {
     /// Remembers the pose of this tick.
-    pub fn push(&mut self, pose: Pose) {
+    pub(crate) fn push(&mut self, pose: Pose) {
         if let Some(place) = self.poses.get_mut(self.next) {
             *place = pose;
         }
@@ -33,13 +33,13 @@ impl PoseHistory {
     }
 
     /// The pose `age` ticks before the last; `None` if that is forgotten.
-    pub fn at(&self, age: u32) -> Option<Pose> {
+    pub(crate) fn at(&self, age: u32) -> Option<Pose> {
         let age = usize::try_from(age).ok().filter(|age| *age < self.filled)?;
         self.poses.get((self.next + LENGTH - 1 - age) % LENGTH).copied()
     }
 
     /// Forgets all: the robot was put down elsewhere.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.filled = 0;
     }
 }

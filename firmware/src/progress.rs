@@ -1,23 +1,25 @@
-//! Whether the robot gets on where its wheels say that it should.
+//! Whether the robot moves on where its wheels say that it should.
 //!
 //! Wheels that spin on a smooth floor count as if they drove; only an outside pose shows that the
-//! robot stands. Over each half second the way commanded is compared with the way that the pose
-//! estimate, corrections included, has gone: less than a fifth is no progress. Every camera of 2 Hz
+//! robot stands. Over each half second the distance commanded is compared with the distance that the
+//! pose estimate, corrections included, has moved: less than a fifth is no progress. Every camera of 2 Hz
 //! and more is thus enough, and a robot without one is never accused.
 
-use protocol::motion::{Pose, Position, TICK, Twist};
+use crate::math::approximate_length;
+use protocol::motion::{Pose, TICK, Twist};
 use protocol::units::{Metres, Radians};
 
 /// The window, ticks: 500 ms.
 const WINDOW: u32 = 100;
-/// Less than this share of the way commanded is none.
+/// Less than this share of the distance commanded is no progress. The distance moved is approximate,
+/// so the share lies between 0.188 and 0.213.
 const LEAST_SHARE: f32 = 0.2;
-/// A shorter way commanded says nothing, m at the rim.
-const LEAST_WAY: f32 = 0.02;
+/// A shorter distance commanded says nothing, m at the rim.
+const LEAST_DISTANCE: f32 = 0.02;
 
 /// The window that runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub(crate) struct Progress {
     ticks: u32,
     /// Sums over the window's ticks, m/s and rad/s.
     linear: f32,
@@ -27,25 +29,25 @@ pub struct Progress {
 
 impl Progress {
     /// A window that begins at `pose`.
-    pub fn new(pose: Pose) -> Self {
+    pub(crate) fn new(pose: Pose) -> Self {
         Self { ticks: 0, linear: 0.0, angular: 0.0, from: pose }
     }
 
     /// Takes in what this tick commands and where the robot is; false if a window has ended in
     /// which it got nowhere.
-    pub fn update(&mut self, commanded: Twist, pose: Pose, track: Metres) -> bool {
+    pub(crate) fn update(&mut self, commanded: Twist, pose: Pose, track: Metres) -> bool {
         self.ticks += 1;
         self.linear += commanded.linear.0;
         self.angular += commanded.angular.0;
         if self.ticks < WINDOW {
             return true;
         }
-        let rim = |way: f32, turn: f32| way.abs() + turn.abs() * track.0 / 2.0;
+        let rim = |distance: f32, turn: f32| distance.abs() + turn.abs() * track.0 / 2.0;
         let expected = rim(self.linear * TICK.0, self.angular * TICK.0);
-        let way = self.from.distance(Position { x: pose.x, y: pose.y });
+        let distance = approximate_length(pose.x.0 - self.from.x.0, pose.y.0 - self.from.y.0);
         let turn = Radians(pose.heading.0 - self.from.heading.0).wrapped();
         *self = Self::new(pose);
-        expected < LEAST_WAY || rim(way.0, turn.0) >= LEAST_SHARE * expected
+        expected < LEAST_DISTANCE || rim(distance, turn.0) >= LEAST_SHARE * expected
     }
 }
 
@@ -66,13 +68,13 @@ mod tests {
     }
 
     #[test]
-    fn a_fifth_of_the_way_is_progress_and_less_is_none() {
+    fn a_fifth_of_the_distance_is_progress_and_less_is_not() {
         assert!(gets_on(0.2, 0.0, 0.25) && !gets_on(0.2, 0.0, 0.15));
         assert!(gets_on(0.0, 2.0, 0.25) && !gets_on(0.0, 2.0, 0.15));
     }
 
     #[test]
-    fn who_is_to_stand_may_stand() {
+    fn a_robot_commanded_to_stand_may_stand() {
         assert!(gets_on(0.03, 0.0, 0.0));
     }
 }

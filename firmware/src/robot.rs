@@ -8,10 +8,9 @@
 //! the tests call the same three: [`Robot::receive`], [`Robot::tick`], [`Robot::transmit`].
 
 use crate::controller::Controller;
-use crate::link_end::{Heard, LinkEnd};
+use crate::link_end::{LinkEnd, Received};
 use crate::outbox::Outbox;
 use crate::parameter_store::{ParameterStore, RECORD_SIZE, Step};
-use crate::parameters::Parameters;
 pub use crate::signals::{Actuation, Boot, Sensors};
 use crate::signals::{Event, Outcome};
 use crate::version::{FIRMWARE_GIT, FIRMWARE_VERSION};
@@ -21,6 +20,7 @@ use protocol::message::{
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
 use protocol::parameters::ParameterRefusal;
+use protocol::parameters::Parameters;
 use protocol::schema::SCHEMA_HASH;
 use protocol::units::Milliseconds;
 
@@ -102,7 +102,7 @@ impl Robot {
         self.store.save(self.controller.parameters()).1
     }
 
-    /// Takes in what the slot holds after a save, and tells the host.
+    /// Takes in what the slot holds after a save, and reports the result.
     pub fn parameters_written(&mut self, read_back: &[u8]) {
         self.save = Save::None;
         let report = if self.store.confirm(self.controller.parameters(), read_back) {
@@ -119,8 +119,8 @@ impl Robot {
         let now = self.now();
         for byte in bytes {
             match self.link(port).receive(*byte, now) {
-                Some(Heard::NewHost) => self.meet(port),
-                Some(Heard::Urgent(command)) => self.obey(port, command),
+                Some(Received::NewHost) => self.on_new_host(port),
+                Some(Received::Urgent(command)) => self.handle_command(port, command),
                 None => {}
             }
         }
@@ -141,19 +141,16 @@ impl Robot {
             self.report(Report::Battery(battery));
         }
         match event {
-            Some(Event::LegDone(result)) => {
-                self.controller.queue().finish_leg(result.index);
-                self.outbox.leg_done(result);
-            }
+            Some(Event::LegDone(result)) => self.outbox.leg_done(result),
             Some(Event::PlanDone { plan, pose }) => {
                 // A stop at the very end has made the controller forget the plan.
-                let driven = self.controller.queue().driven().or(self.driven);
+                let driven = self.controller.driven().or(self.driven);
                 let end = driven.map_or(0, |driven| driven.end);
                 self.outbox.plan_ended(Report::PlanDone { plan, end, pose });
             }
             None => {}
         }
-        self.notice_stop();
+        self.report_stop();
         self.flush();
         for port in [Port::Usb, Port::Uart] {
             self.take_commands(port);
@@ -168,7 +165,7 @@ impl Robot {
     /// not written.
     pub fn transmit(&mut self, port: Port, out: &mut [u8]) -> usize {
         let now = self.now();
-        let driven = self.controller.queue().driven();
+        let driven = self.controller.driven();
         let Self { controller, usb, uart, ticks, .. } = self;
         let telemetry = || telemetry(controller, *ticks);
         match port {
@@ -192,17 +189,17 @@ impl Robot {
         self.controller.state()
     }
 
-    /// A host that begins anew does not know of the plan that runs, and hello tells it what ended.
-    fn meet(&mut self, port: Port) {
+    /// A new host does not know of the plan that runs; hello reports how far it was driven.
+    fn on_new_host(&mut self, port: Port) {
         if self.owner == Some(port) {
             self.controller.pause(PauseReason::Silence);
             self.outbox = Outbox::default();
         }
     }
 
-    /// A stop or fault makes the controller forget its plan; the host is told how far it came.
-    fn notice_stop(&mut self) {
-        let driven = self.controller.queue().driven();
+    /// A stop or fault makes the controller forget its plan; a report says how far it came.
+    fn report_stop(&mut self) {
+        let driven = self.controller.driven();
         if let (Some(Driven { plan, next, end }), None) = (self.driven, driven)
             && next != end
         {
@@ -212,17 +209,17 @@ impl Robot {
         self.driven = driven;
     }
 
-    /// Obeys the reliable lane, as long as there is room for what there is to say about it. What
+    /// Handles the commands of the reliable channel, as long as there is room for what there is to say about it. What
     /// waits there also keeps the host from sending more.
     fn take_commands(&mut self, port: Port) {
         let owns = self.owner == Some(port);
         while self.link(port).has_room() && !(owns && self.outbox.is_full()) {
             let Some(command) = self.link(port).next_command() else { return };
-            self.obey(port, command);
+            self.handle_command(port, command);
         }
     }
 
-    fn obey(&mut self, port: Port, command: Command) {
+    fn handle_command(&mut self, port: Port, command: Command) {
         match command {
             Command::Hello(_) | Command::Heartbeat => {}
             Command::Stop { .. } => self.controller.stop(),
@@ -239,10 +236,10 @@ impl Robot {
             Command::SetParameters(_) | Command::SaveParameters => {
                 self.change_parameters(port, command);
             }
-            Command::PlanBegin(header) => self.controller.queue().begin(header),
+            Command::PlanBegin(header) => self.controller.announce(header),
             Command::PlanLeg(leg) => self.controller.collect(leg),
             Command::PlanCommit { plan } => self.commit(port, plan),
-            Command::PlanCancel { plan } => self.controller.queue().cancel(plan),
+            Command::PlanCancel { plan } => self.controller.cancel(plan),
             Command::Pause => self.controller.pause(PauseReason::Command),
             Command::Resume => self.controller.resume(),
             // A stop that overtook this was sent after it.
@@ -276,10 +273,7 @@ impl Robot {
         self.own(port);
         let room = self.outbox.room_for_legs();
         let report = match self.controller.commit(plan, room) {
-            Ok(()) => {
-                let end = self.controller.queue().driven().map_or(0, |driven| driven.end);
-                Report::PlanAccepted { plan, end }
-            }
+            Ok(end) => Report::PlanAccepted { plan, end },
             Err(reason) => Report::PlanRefused { plan, reason },
         };
         self.report(report);
@@ -348,7 +342,7 @@ impl Robot {
     /// From now on `port` owns the robot.
     fn own(&mut self, port: Port) {
         if self.owner != Some(port) {
-            // What the last owner has not heard by now, hello tells it.
+            // What the last owner has not received by now is in the next hello.
             self.outbox = Outbox::default();
             self.owner = Some(port);
         }

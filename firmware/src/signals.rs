@@ -40,7 +40,7 @@ pub struct Outcome {
     pub battery: Option<BatteryReport>,
 }
 
-/// What the robot is told when it starts.
+/// What the board gives the robot at its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Boot {
     /// A number that differs from start to start.
@@ -56,9 +56,9 @@ pub struct Boot {
 pub struct Actuation {
     /// The motors' duty, left and right, -1..=1; positive drives forward.
     pub duty: [f32; 2],
-    /// Restart now; only ever asked for at rest.
+    /// Restart now; only requested at rest.
     pub reboot: Option<Reboot>,
     /// Do this to the flash with [`Robot::parameter_record`](crate::robot::Robot::parameter_record), and then call
-    /// [`Robot::parameters_written`](crate::robot::Robot::parameters_written) with what the slot holds; only ever asked for at rest.
+    /// [`Robot::parameters_written`](crate::robot::Robot::parameters_written) with what the slot holds; only requested at rest.
     pub save: Option<[Step; 2]>,
 }

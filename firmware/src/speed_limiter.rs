@@ -1,7 +1,7 @@
-//! What of a wanted twist the wheels are commanded: never beyond V, never changing faster than A.
+//! The wheel speeds that are commanded for a wanted twist: never beyond V, never changing faster than A.
 //!
 //! Both wheels are slowed alike where one would be too fast, so that the curve stays; then each goes
-//! no further from the last tick's speed than A allows. Whatever asks, feedback included, asks here.
+//! no further from the last tick's speed than A allows. Feedback included.
 
 use crate::kinematics::BaseGeometry;
 use protocol::motion::{Limits, TICK, Twist, WheelSpeeds};
@@ -9,33 +9,22 @@ use protocol::units::{MetresPerSecond, RadiansPerSecond};
 
 /// The speeds commanded, and how much of the wanted ones they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Command {
+pub(crate) struct WheelCommand {
     /// For the wheel loops.
-    pub wheels: WheelSpeeds,
+    pub(crate) wheels: WheelSpeeds,
     /// The share of the wanted speed that V leaves, 0..=1; a reference must wait by as much.
-    pub share: f32,
+    pub(crate) share: f32,
 }
 
-impl Command {
+impl WheelCommand {
     /// Nothing moves.
-    pub const REST: Self = Self {
+    pub(crate) const REST: Self = Self {
         wheels: WheelSpeeds { left: RadiansPerSecond(0.0), right: RadiansPerSecond(0.0) },
         share: 1.0,
     };
 
     /// The next tick's command after this one, for `wanted`.
-    ///
-    /// ```
-    /// use wmr_firmware::{kinematics::BaseGeometry, parameters::Parameters, speed_limiter::Command};
-    /// use protocol::{motion::Twist, units::*};
-    /// let parameters = Parameters::default();
-    /// let wanted = Twist { linear: MetresPerSecond(0.8), angular: RadiansPerSecond(0.0) };
-    /// let next = Command::REST.towards(wanted, &(&parameters).into(), &parameters.limits());
-    /// // 0.8 m/s² for 5 ms on 35 mm, and half of the speed wanted.
-    /// assert!((next.wheels.left.0 - 0.8 * 0.005 / 0.035).abs() < 1e-6);
-    /// assert_eq!(next.share, 0.5);
-    /// ```
-    pub fn towards(&self, wanted: Twist, geometry: &BaseGeometry, limits: &Limits) -> Self {
+    pub(crate) fn towards(&self, wanted: Twist, geometry: &BaseGeometry, limits: &Limits) -> Self {
         let [left, right] = geometry.rims(wanted).map(|speed| speed.0);
         let fastest = left.abs().max(right.abs());
         let share = if fastest > limits.speed.0 { limits.speed.0 / fastest } else { 1.0 };
@@ -56,8 +45,18 @@ impl Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
     use proptest::prelude::*;
+    use protocol::parameters::Parameters;
+
+    #[test]
+    fn the_first_tick_towards_twice_the_limit_by_hand() {
+        let parameters = Parameters::default();
+        let wanted = Twist { linear: MetresPerSecond(0.8), angular: RadiansPerSecond(0.0) };
+        let next = WheelCommand::REST.towards(wanted, &(&parameters).into(), &parameters.limits());
+        // 0.8 m/s² for 5 ms on 35 mm, and half of the speed wanted.
+        assert!((next.wheels.left.0 - 0.8 * 0.005 / 0.035).abs() < 1e-6);
+        assert_eq!(next.share, 0.5);
+    }
 
     proptest! {
         #[test]
@@ -67,10 +66,10 @@ mod tests {
             let parameters = Parameters { wheel_ratio: ratio, ..Parameters::default() };
             let (geometry, limits) = (BaseGeometry::from(&parameters), parameters.limits());
             let [left_radius, right_radius] = geometry.radii();
-            let rims = |command: &Command| {
+            let rims = |command: &WheelCommand| {
                 [command.wheels.left.0 * left_radius.0, command.wheels.right.0 * right_radius.0]
             };
-            let mut command = Command::REST;
+            let mut command = WheelCommand::REST;
             for (linear, angular) in wanted {
                 let twist = Twist { linear: MetresPerSecond(linear), angular: RadiansPerSecond(angular) };
                 let next = command.towards(twist, &geometry, &limits);

@@ -2,7 +2,7 @@
 //!
 //! u1 = u1r cos e_φ + k_x e_x, u2 = u2r + k_y u1r e_y + k_φ sin e_φ (Kanayama et al., 1990).
 //!
-//! *Deviation:* the paper solves each leg anew and drives it open; what slips on the way stays. The
+//! *Deviation:* the paper solves each leg from where it begins and drives it open-loop; what slips remains. The
 //! deviation is in the frame of the robot.
 //!
 //! | symbol | meaning | unit |
@@ -17,17 +17,12 @@ use protocol::trigonometry::sin_cos;
 use protocol::units::{MetresPerSecond, Radians, RadiansPerSecond};
 
 /// The twist that leads back to `reference` while moving along it with `planned`.
-///
-/// ```
-/// use wmr_firmware::tracker::correct;
-/// use protocol::{motion::{Pose, Twist}, parameters::TrackerGains, units::*};
-/// let planned = Twist { linear: MetresPerSecond(0.2), angular: RadiansPerSecond(0.0) };
-/// let reference = Pose::new(1.0, 0.0, 0.0);
-/// // 1 cm right of the path: turn left.
-/// let twist = correct(planned, reference, Pose::new(1.0, -0.01, 0.0), &TrackerGains::default());
-/// assert!(twist.angular.0 > 0.1);
-/// ```
-pub fn correct(planned: Twist, reference: Pose, measured: Pose, gains: &TrackerGains) -> Twist {
+pub(crate) fn correct(
+    planned: Twist,
+    reference: Pose,
+    measured: Pose,
+    gains: &TrackerGains,
+) -> Twist {
     let (dx, dy) = (reference.x.0 - measured.x.0, reference.y.0 - measured.y.0);
     let (sin, cos) = sin_cos(measured.heading.0);
     let (ahead, left) = (cos * dx + sin * dy, cos * dy - sin * dx);
@@ -45,6 +40,16 @@ pub fn correct(planned: Twist, reference: Pose, measured: Pose, gains: &TrackerG
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_centimetre_right_of_the_path_turns_left() {
+        let gains = TrackerGains::default();
+        let planned = Twist { linear: MetresPerSecond(0.2), angular: RadiansPerSecond(0.0) };
+        let twist = correct(planned, Pose::new(1.0, 0.0, 0.0), Pose::new(1.0, -0.01, 0.0), &gains);
+        // k_y u1 e_y.
+        assert!((twist.angular.0 - gains.across * 0.2 * 0.01).abs() < 1e-6);
+        assert!(twist.angular.0 > 0.1);
+    }
 
     #[test]
     fn on_the_path_nothing_is_corrected() {

@@ -53,7 +53,7 @@ const LARGEST_OVERSPEED: f32 = 2.0;
 
 /// A wheel's numbers in the form in which the loop multiplies by them, computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelModel {
+pub(crate) struct WheelModel {
     /// Angle of one encoder count, rad.
     radians_per_count: f32,
     /// Speed of one count in the window of the measurement, rad/s.
@@ -92,7 +92,7 @@ impl From<&Parameters> for WheelModel {
 
 /// What one wheel's loop remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelLoop {
+pub(crate) struct WheelLoop {
     count: i32,
     recent: [i32; SPEED_TICKS],
     lag: f32,
@@ -105,7 +105,7 @@ pub struct WheelLoop {
 
 impl WheelLoop {
     /// A resting wheel whose encoder stands at `count`.
-    pub fn new(count: i32) -> Self {
+    pub(crate) fn new(count: i32) -> Self {
         Self {
             count,
             recent: [count; SPEED_TICKS],
@@ -119,13 +119,13 @@ impl WheelLoop {
     }
 
     /// The wheel's measured speed, rad/s.
-    pub fn speed(&self, model: &WheelModel) -> f32 {
+    pub(crate) fn speed(&self, model: &WheelModel) -> f32 {
         let oldest = self.recent.first().copied().unwrap_or(self.count);
         self.count.wrapping_sub(oldest) as f32 * model.speed_per_count
     }
 
-    /// What is wrong with the wheel, if anything: it stalls, or its encoder tells the impossible.
-    pub fn fault(&self) -> Option<Fault> {
+    /// What is wrong with the wheel, if anything: it stalls, or its encoder counts what cannot be.
+    pub(crate) fn fault(&self) -> Option<Fault> {
         if self.leapt || self.backward_ticks >= BACKWARD_TICKS {
             Some(Fault::Encoder)
         } else if self.standing_ticks >= STALLED_TICKS || self.lagging_ticks >= LAGGING_TICKS {
@@ -136,7 +136,7 @@ impl WheelLoop {
     }
 
     /// One tick: the duty in -1..=1 for `wanted` rad/s, with the encoder at `count`.
-    pub fn tick(&mut self, wanted: f32, count: i32, model: &WheelModel) -> f32 {
+    pub(crate) fn tick(&mut self, wanted: f32, count: i32, model: &WheelModel) -> f32 {
         let counts = count.wrapping_sub(self.count);
         self.recent.rotate_left(1);
         if let Some(newest) = self.recent.last_mut() {

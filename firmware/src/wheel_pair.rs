@@ -7,70 +7,70 @@
 //! Wheels are in the order left, right.
 
 use crate::kinematics::BaseGeometry;
-use crate::parameters::Parameters;
-use crate::speed_limiter::Command;
+use crate::speed_limiter::WheelCommand;
 use crate::wheel_loop::{WheelLoop, WheelModel};
 use protocol::message::Fault;
 use protocol::motion::{Limits, Twist, WheelSpeeds};
+use protocol::parameters::Parameters;
 use protocol::units::RadiansPerSecond;
 
 /// The wheels of one robot.
 #[derive(Clone, Debug)]
-pub struct WheelPair {
+pub(crate) struct WheelPair {
     geometry: BaseGeometry,
     model: WheelModel,
     limits: Limits,
     loops: [WheelLoop; 2],
-    command: Command,
+    command: WheelCommand,
 }
 
 impl WheelPair {
     /// Resting wheels whose encoders stand at `counts`.
-    pub fn new(parameters: &Parameters, counts: [i32; 2]) -> Self {
+    pub(crate) fn new(parameters: &Parameters, counts: [i32; 2]) -> Self {
         Self {
             geometry: BaseGeometry::from(parameters),
             model: WheelModel::from(parameters),
             limits: parameters.limits(),
             loops: counts.map(WheelLoop::new),
-            command: Command::REST,
+            command: WheelCommand::REST,
         }
     }
 
     /// How fast they turn, measured.
-    pub fn speeds(&self) -> WheelSpeeds {
+    pub(crate) fn speeds(&self) -> WheelSpeeds {
         let [left, right] = self.loops.each_ref().map(|wheel| wheel.speed(&self.model));
         WheelSpeeds { left: RadiansPerSecond(left), right: RadiansPerSecond(right) }
     }
 
     /// How fast they are commanded to turn, feedback included.
-    pub fn commanded(&self) -> WheelSpeeds {
+    pub(crate) fn commanded(&self) -> WheelSpeeds {
         self.command.wheels
     }
 
     /// How the base moves if they do as commanded.
-    pub fn commanded_twist(&self) -> Twist {
+    pub(crate) fn commanded_twist(&self) -> Twist {
         self.geometry.twist(self.command.wheels)
     }
 
     /// The share of the wanted speed that the limits leave, 0..=1.
-    pub fn share(&self) -> f32 {
+    pub(crate) fn share(&self) -> f32 {
         self.command.share
     }
 
     /// Whether they are commanded to stand.
-    pub fn are_to_stand(&self) -> bool {
-        self.command.wheels == Command::REST.wheels
+    pub(crate) fn are_to_stand(&self) -> bool {
+        self.command.wheels == WheelCommand::REST.wheels
     }
 
     /// Cuts the drive, and forgets all up to `counts`.
-    pub fn rest(&mut self, counts: [i32; 2]) {
+    pub(crate) fn rest(&mut self, counts: [i32; 2]) {
         self.loops = counts.map(WheelLoop::new);
-        self.command = Command::REST;
+        self.command = WheelCommand::REST;
     }
 
     /// One tick: the duty in -1..=1 of each motor that brings the base to `wanted` within the limits,
     /// with the encoders at `counts`.
-    pub fn tick(&mut self, wanted: Twist, counts: [i32; 2]) -> [f32; 2] {
+    pub(crate) fn tick(&mut self, wanted: Twist, counts: [i32; 2]) -> [f32; 2] {
         self.command = self.command.towards(wanted, &self.geometry, &self.limits);
         let WheelSpeeds { left, right } = self.command.wheels;
         let ([left_wheel, right_wheel], [left_count, right_count]) = (&mut self.loops, counts);
@@ -81,7 +81,7 @@ impl WheelPair {
     }
 
     /// What is wrong with a wheel, if anything.
-    pub fn fault(&self) -> Option<Fault> {
+    pub(crate) fn fault(&self) -> Option<Fault> {
         self.loops.iter().find_map(WheelLoop::fault)
     }
 }

@@ -9,7 +9,6 @@
 //! | d | duty left after friction, -1..=1 | – |
 //! | R | distance of the turning centre from the middle of the axis, to the left | m |
 
-use crate::in_process::PAPER_SPEED_UP;
 use std::f64::consts::{PI, TAU};
 
 /// What one base is made of; the truth, not what the controller believes.
@@ -58,13 +57,6 @@ impl BaseParameters {
         let left = 2.0 * mean / (1.0 + ratio * old_ratio);
         let wheel_radius = [left, ratio * old_ratio * left];
         Self { wheel_radius, track: self.track * track, ..self }
-    }
-
-    /// The base that goes with [`paper_robot`](crate::in_process::paper_robot): motors twice as fast.
-    pub fn paper(seed: u64) -> Self {
-        let default = Self::seeded(seed);
-        let no_load_speed = default.no_load_speed.map(|speed| speed * f64::from(PAPER_SPEED_UP));
-        Self { no_load_speed, ..default }
     }
 }
 

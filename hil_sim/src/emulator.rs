@@ -1,4 +1,4 @@
-//! The flashed ELF as a brain: an emulated Pico in a node process, run step by step.
+//! The flashed ELF as [`Firmware`]: an emulated Pico in a node process, run step by step.
 //!
 //! ```text
 //! step: duration, counts, battery, bytes ─► hil_sim/rp2040/emulator.js ─► duty, resets, bytes
@@ -21,7 +21,7 @@
 //!
 //! The same ELF and the same steps give the same answers.
 
-use crate::simulation::Brain;
+use crate::simulation::Firmware;
 use std::collections::VecDeque;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -273,7 +273,7 @@ impl Drop for EmulatedPico {
     }
 }
 
-impl Brain for EmulatedPico {
+impl Firmware for EmulatedPico {
     /// Short against the motors' time constant, so that the base feels a new duty soon enough.
     const STEP: Duration = Duration::from_millis(1);
 
@@ -283,7 +283,7 @@ impl Brain for EmulatedPico {
         counts: [i32; 2],
         sent: &mut VecDeque<u8>,
     ) -> io::Result<[f64; 2]> {
-        let step = EmulatedPico::step(self, <Self as Brain>::STEP, received, counts)
+        let step = EmulatedPico::step(self, <Self as Firmware>::STEP, received, counts)
             .map_err(io::Error::other)?;
         sent.extend(step.uart_out);
         Ok(step.duty)

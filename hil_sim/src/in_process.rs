@@ -1,19 +1,17 @@
 //! The firmware's logic in this process, without a board: [`Robot`] ticked every 5 ms.
 
-use crate::simulation::Brain;
+use crate::simulation::Firmware;
 use firmware::parameter_store::Step;
-use firmware::parameters::Parameters;
 use firmware::robot::{Boot, Port, Robot, Sensors};
 use protocol::frame::MAX_FRAME;
 use protocol::message::{Board, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
-use protocol::parameters::WheelLoopGains;
-use protocol::units::MetresPerSecond;
+use protocol::parameters::Parameters;
 use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-/// The robot's logic as a [`Brain`].
+/// The robot's logic as [`Firmware`].
 #[derive(Clone, Debug)]
 pub struct InProcess {
     robot: Robot,
@@ -27,7 +25,7 @@ pub struct InProcess {
 pub type Flash = [Vec<u8>; 2];
 
 impl InProcess {
-    /// A robot with `parameters` that has just started; `nonce` tells this start from others.
+    /// A robot with `parameters` that has just started; `nonce` distinguishes this start from others.
     pub fn new(parameters: Parameters, nonce: u32) -> Self {
         Self::with_flash(parameters, nonce, Flash::default())
     }
@@ -65,24 +63,6 @@ impl InProcess {
     }
 }
 
-/// The robot of the paper's experiment, as far as its figures tell.
-///
-/// *Deviation:* the paper names no limits of its robot, but its mission of three legs in 9 s each has a
-/// drive of 1.05 m in 3 s, which peaks at 2 D/ε = 0.7 m/s; the default robot allows 0.4 m/s and could
-/// reach 0.63 m/s. So this one has motors twice as fast, and limits to match.
-pub fn paper_robot() -> Parameters {
-    let default = Parameters::default();
-    let wheel_loop = WheelLoopGains {
-        no_load_speed: PAPER_SPEED_UP * default.wheel_loop.no_load_speed,
-        ..default.wheel_loop
-    };
-    let speed = MetresPerSecond(PAPER_SPEED_UP * default.speed.0);
-    Parameters { speed, wheel_loop, ..default }
-}
-
-/// How much faster the paper's robot is than the default one.
-pub(crate) const PAPER_SPEED_UP: f32 = 2.0;
-
 impl Default for InProcess {
     /// The default robot, at its first start.
     fn default() -> Self {
@@ -90,7 +70,7 @@ impl Default for InProcess {
     }
 }
 
-impl Brain for InProcess {
+impl Firmware for InProcess {
     const STEP: Duration = Duration::from_millis(TICK_MILLISECONDS as u64);
 
     fn step(

@@ -1,7 +1,7 @@
 //! A base that exists only in software: motors, wheels, encoders, wires and virtual time.
 //!
 //! ```text
-//! serial port, TCP, in process ─► wire ─► simulation ─► brain (logic, or the flashed ELF) ─► base ─► world
+//! serial port, TCP, in process ─► wire ─► simulation ─► firmware (logic, or the flashed ELF) ─► base ─► world
 //! ```
 //! It knows boxes, not scenes, and nothing of planning. Kinematics here are its own.
 
@@ -9,6 +9,7 @@ pub mod base;
 pub mod emulator;
 pub mod in_process;
 pub mod lockstep;
+pub mod presets;
 #[cfg(unix)]
 pub mod pty;
 pub mod realtime;

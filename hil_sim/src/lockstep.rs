@@ -1,7 +1,7 @@
 //! Somebody else's physics in the base's place, over TCP, one JSON line each way a step.
 //!
 //! ```text
-//! host ═bytes═ brain ─► {"t":0.005,"duty":[0.1,0.1]} ─► physics
+//! host ═bytes═ firmware ─► {"t":0.005,"duty":[0.1,0.1]} ─► physics
 //!                ▲                                         │
 //!                └── {"counts":[3,3],"battery":7.4} ◄──────┘
 //! ```
@@ -9,7 +9,7 @@
 //! the battery may be left out. Towards the host it is a port, as [`Simulation`](crate::simulation::Simulation) is.
 
 use crate::realtime::or_nothing;
-use crate::simulation::Brain;
+use crate::simulation::Firmware;
 use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
@@ -22,10 +22,10 @@ const LONGEST_LINE: u64 = 4096;
 /// How often somebody who waits for the physics is asked whether to go on.
 const LISTEN: Duration = Duration::from_millis(100);
 
-/// A brain whose base is at the other end of a socket.
+/// [`Firmware`] whose base is at the other end of a socket.
 #[derive(Debug)]
 pub struct Lockstep<B> {
-    brain: B,
+    firmware: B,
     physics: BufReader<TcpStream>,
     step: Duration,
     counts: [i32; 2],
@@ -36,12 +36,12 @@ pub struct Lockstep<B> {
     to_host: VecDeque<u8>,
 }
 
-impl<B: Brain> Lockstep<B> {
-    /// Puts `brain` on the base behind `physics`, which advances by `step` a line.
+impl<B: Firmware> Lockstep<B> {
+    /// Puts `firmware` on the base behind `physics`, which advances by `step` a line.
     ///
     /// # Errors
     /// If the socket fails, or `step` is no time at all.
-    pub fn new(brain: B, physics: TcpStream, step: Duration) -> io::Result<Self> {
+    pub fn new(firmware: B, physics: TcpStream, step: Duration) -> io::Result<Self> {
         if step.is_zero() {
             return Err(io::Error::new(ErrorKind::InvalidInput, "a step of no time"));
         }
@@ -49,7 +49,7 @@ impl<B: Brain> Lockstep<B> {
         physics.set_nodelay(true)?;
         physics.set_read_timeout(Some(LISTEN))?;
         Ok(Self {
-            brain,
+            firmware,
             physics: BufReader::new(physics),
             step,
             counts: [0, 0],
@@ -66,7 +66,7 @@ impl<B: Brain> Lockstep<B> {
         self.now
     }
 
-    /// Lets `duration` pass, in whole steps of the brain; what is left over counts next time.
+    /// Lets `duration` pass, in whole steps of the firmware; what is left over counts next time.
     ///
     /// # Errors
     /// If the firmware cannot be run any further, or the physics do not answer as they should.
@@ -85,7 +85,7 @@ impl<B: Brain> Lockstep<B> {
         while self.owed >= B::STEP {
             self.owed -= B::STEP;
             let received = std::mem::take(&mut self.to_robot);
-            let duty = self.brain.step(&received, self.counts, &mut self.to_host)?;
+            let duty = self.firmware.step(&received, self.counts, &mut self.to_host)?;
             self.now += B::STEP;
             while self.stepped + self.step <= self.now {
                 self.stepped += self.step;
@@ -105,7 +105,7 @@ impl<B: Brain> Lockstep<B> {
         })?;
         self.counts = counts;
         if let Some(volts) = battery {
-            self.brain.set_battery(volts);
+            self.firmware.set_battery(volts);
         }
         Ok(())
     }
@@ -159,7 +159,7 @@ pub enum Pacing {
 ///
 /// # Errors
 /// If the port, the firmware or the physics fail.
-pub fn run<B: Brain>(
+pub fn run<B: Firmware>(
     lockstep: &mut Lockstep<B>,
     port: &mut (impl Read + Write),
     pacing: Pacing,

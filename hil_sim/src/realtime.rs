@@ -1,6 +1,6 @@
 //! Runs a simulation in step with the clock on the wall, behind a port for other programs.
 
-use crate::simulation::{Brain, Simulation};
+use crate::simulation::{Firmware, Simulation};
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ const LONGEST_GAP: Duration = Duration::from_millis(100);
 ///
 /// # Errors
 /// If the port or the firmware fails.
-pub fn run<B: Brain>(
+pub fn run<B: Firmware>(
     simulation: &mut Simulation<B>,
     port: &mut (impl Read + Write),
     mut goes_on: impl FnMut(&Simulation<B>) -> bool,

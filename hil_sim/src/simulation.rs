@@ -1,7 +1,7 @@
 //! A base, its world and the firmware that drives it, in virtual time; towards the host, a serial port.
 //!
 //! ```text
-//! write ─► wire ─► brain ─► duty ─► base ─► pose ─► world
+//! write ─► wire ─► firmware ─► duty ─► base ─► pose ─► world
 //! read  ◄─ wire ◄───┘  ▲            │
 //!                      └── counts ◄─┘
 //! ```
@@ -9,13 +9,13 @@
 
 use crate::base::{TruePose, WheeledBase};
 use crate::wire::Wire;
-use crate::world::{Encounters, World};
+use crate::world::{CollisionLog, World};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::time::Duration;
 
 /// Firmware that can be run step by step: the logic in this process, or a flashed ELF in an emulator.
-pub trait Brain {
+pub trait Firmware {
     /// How long one step lasts.
     const STEP: Duration;
 
@@ -38,10 +38,10 @@ pub trait Brain {
 /// A simulated robot in a simulated arena.
 #[derive(Clone, Debug)]
 pub struct Simulation<B> {
-    brain: B,
+    firmware: B,
     base: WheeledBase,
     world: Option<World>,
-    encounters: Encounters,
+    collision_log: CollisionLog,
     to_robot: Wire,
     to_host: Wire,
     arrived: VecDeque<u8>,
@@ -55,17 +55,17 @@ pub struct Truth {
     /// Where the robot is.
     pub pose: TruePose,
     /// Collisions and the smallest gap; `None` without a world.
-    pub encounters: Option<Encounters>,
+    pub collision_log: Option<CollisionLog>,
 }
 
-impl<B: Brain> Simulation<B> {
-    /// Puts `brain` on `base` in `world`; without one, the floor is endless and empty.
-    pub fn new(brain: B, base: WheeledBase, world: Option<World>) -> Self {
+impl<B: Firmware> Simulation<B> {
+    /// Puts `firmware` on `base` in `world`; without one, the floor is endless and empty.
+    pub fn new(firmware: B, base: WheeledBase, world: Option<World>) -> Self {
         Self {
-            brain,
+            firmware,
             base,
             world,
-            encounters: Encounters::default(),
+            collision_log: CollisionLog::default(),
             to_robot: Wire::default(),
             to_host: Wire::default(),
             arrived: VecDeque::new(),
@@ -89,12 +89,12 @@ impl<B: Brain> Simulation<B> {
         self.now + self.owed
     }
 
-    /// The firmware, for whoever means to disturb it.
-    pub fn brain_mut(&mut self) -> &mut B {
-        &mut self.brain
+    /// The firmware, to inject faults.
+    pub fn firmware_mut(&mut self) -> &mut B {
+        &mut self.firmware
     }
 
-    /// The base, for whoever meddles with it.
+    /// The base, to inject faults.
     pub fn base_mut(&mut self) -> &mut WheeledBase {
         &mut self.base
     }
@@ -103,11 +103,11 @@ impl<B: Brain> Simulation<B> {
     pub fn truth(&self) -> Truth {
         Truth {
             pose: self.base.pose(),
-            encounters: self.world.is_some().then_some(self.encounters),
+            collision_log: self.world.is_some().then_some(self.collision_log),
         }
     }
 
-    /// Lets `duration` pass, in whole steps of the brain; what is left over counts next time.
+    /// Lets `duration` pass, in whole steps of the firmware; what is left over counts next time.
     ///
     /// # Errors
     /// If the firmware cannot be run any further.
@@ -121,11 +121,11 @@ impl<B: Brain> Simulation<B> {
                 received.extend(bytes);
             }
             let mut sent = VecDeque::new();
-            let duty = self.brain.step(&received, self.base.counts(), &mut sent)?;
+            let duty = self.firmware.step(&received, self.base.counts(), &mut sent)?;
             self.to_host.write(sent.make_contiguous(), self.now);
             self.base.step(duty, B::STEP.as_secs_f64());
             if let Some(world) = &self.world {
-                self.encounters.observe(world.clearance(self.base.pose()));
+                self.collision_log.observe(world.clearance(self.base.pose()));
             }
         }
         Ok(())

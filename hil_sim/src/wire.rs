@@ -1,16 +1,16 @@
-//! One direction of a wire in virtual time, as good or as bad as it is told to be.
+//! One direction of a wire in virtual time, with the faults and delays that it is given.
 //!
 //! ```text
-//! write ─► frames ─► fates (lost, cut, damaged, doubled, late) ─► speed and latency ─► read
+//! write ─► frames ─► faults (lost, cut, damaged, doubled, late) ─► speed and latency ─► read
 //! ```
 //! Faults strike whole frames, that is what lies between two zeros, because that is what a session
-//! has to bear; a frame that loses its closing zero runs into the next. Fates are drawn from a seed,
+//! has to bear; a frame that loses its closing zero runs into the next. Faults are drawn from a seed,
 //! so the same run has the same faults. Probabilities are 0..=1, times are since the start.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// What befalls frames on a wire.
+/// How often frames are damaged on a wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
     /// Probability that a frame vanishes.
@@ -40,17 +40,17 @@ impl Faults {
     };
 }
 
-/// What befalls one frame.
+/// What happens to one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fate {
+pub enum FrameFault {
     /// It arrives.
-    Arrive,
-    /// It vanishes.
-    Vanish,
+    None,
+    /// It is lost.
+    Lost,
     /// It arrives twice.
-    Double,
+    Duplicated,
     /// It arrives after this many later ones, at least one.
-    Late(usize),
+    Delayed(usize),
 }
 
 /// How long bytes take.
@@ -60,7 +60,7 @@ pub struct Pace {
     pub latency: Duration,
     /// A random delay of up to this is added; frames stay in order.
     pub jitter: Duration,
-    /// Bits per second, ten to a byte; `None` is as fast as one likes.
+    /// Bits per second, ten to a byte; `None` sets no bound.
     pub baud: Option<u32>,
 }
 
@@ -70,7 +70,7 @@ pub struct Wire {
     faults: Faults,
     pace: Pace,
     random: fastrand::Rng,
-    script: VecDeque<Fate>,
+    script: VecDeque<FrameFault>,
     open: Vec<u8>,
     overtaken: Vec<(usize, Vec<u8>)>,
     flying: VecDeque<(Duration, Vec<u8>)>,
@@ -87,7 +87,7 @@ impl Default for Wire {
 }
 
 impl Wire {
-    /// A wire with these faults and this pace; `seed` decides every fate.
+    /// A wire with these faults and this pace; `seed` decides every fault.
     pub fn new(faults: Faults, pace: Pace, seed: u64) -> Self {
         Self {
             faults,
@@ -103,13 +103,13 @@ impl Wire {
         }
     }
 
-    /// The next frames have these fates, and are not damaged; those after them are as before.
-    pub fn ordain(&mut self, fates: impl IntoIterator<Item = Fate>) {
-        self.script.extend(fates);
+    /// The next frames get these faults and are not damaged otherwise; those after them are as before.
+    pub fn script(&mut self, faults: impl IntoIterator<Item = FrameFault>) {
+        self.script.extend(faults);
     }
 
-    /// How many of the fates ordained are still to come.
-    pub fn ordained(&self) -> usize {
+    /// How many of the scripted faults are still to come.
+    pub fn scripted(&self) -> usize {
         self.script.len()
     }
 
@@ -164,31 +164,31 @@ impl Wire {
         });
         self.free_from = self.free_from.max(now) + duration;
         let late = self.release_overtaken();
-        let fate = self.script.pop_front().unwrap_or_else(|| {
+        let fault = self.script.pop_front().unwrap_or_else(|| {
             self.damage(&mut frame);
-            self.draw_fate()
+            self.draw_fault()
         });
-        match fate {
-            Fate::Arrive => self.launch(frame),
-            Fate::Vanish => {}
-            Fate::Double => {
+        match fault {
+            FrameFault::None => self.launch(frame),
+            FrameFault::Lost => {}
+            FrameFault::Duplicated => {
                 self.launch(frame.clone());
                 self.launch(frame);
             }
-            Fate::Late(frames) => self.overtaken.push((frames, frame)),
+            FrameFault::Delayed(frames) => self.overtaken.push((frames, frame)),
         }
         late.into_iter().for_each(|frame| self.launch(frame));
     }
 
-    fn draw_fate(&mut self) -> Fate {
+    fn draw_fault(&mut self) -> FrameFault {
         if self.strikes(self.faults.loss) {
-            Fate::Vanish
+            FrameFault::Lost
         } else if self.strikes(self.faults.duplication) {
-            Fate::Double
+            FrameFault::Duplicated
         } else if self.faults.depth > 0 && self.strikes(self.faults.reordering) {
-            Fate::Late(self.random.usize(1..=self.faults.depth))
+            FrameFault::Delayed(self.random.usize(1..=self.faults.depth))
         } else {
-            Fate::Arrive
+            FrameFault::None
         }
     }
 

@@ -43,7 +43,7 @@ impl World {
 
 /// What has happened to the robot in its world so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Encounters {
+pub struct CollisionLog {
     /// How often the robot ran into a box or wall.
     pub collisions: u32,
     /// The smallest gap so far, m; infinite before the first look.
@@ -51,13 +51,13 @@ pub struct Encounters {
     touching: bool,
 }
 
-impl Default for Encounters {
+impl Default for CollisionLog {
     fn default() -> Self {
         Self { collisions: 0, min_clearance: f64::INFINITY, touching: false }
     }
 }
 
-impl Encounters {
+impl CollisionLog {
     /// Takes in the gap at one moment.
     pub fn observe(&mut self, clearance: f64) {
         let touching = clearance < -CONTACT;
@@ -87,11 +87,11 @@ mod tests {
 
     #[test]
     fn one_long_touch_is_one_collision() {
-        let mut encounters = Encounters::default();
+        let mut collision_log = CollisionLog::default();
         for clearance in [0.1, -0.00005, -0.01, -0.02, 0.05, -0.001] {
-            encounters.observe(clearance);
+            collision_log.observe(clearance);
         }
-        assert_eq!(encounters.collisions, 2);
-        assert_eq!(encounters.min_clearance, -0.02);
+        assert_eq!(collision_log.collisions, 2);
+        assert_eq!(collision_log.min_clearance, -0.02);
     }
 }

@@ -104,7 +104,7 @@ impl Bench {
                 realtime::run(&mut robot, &mut pty, |robot| robot.truth().pose.x < x && goes_on())
                     .unwrap();
                 match deed {
-                    Deed::Restart => *robot.brain_mut() = InProcess::new(Default::default(), 99),
+                    Deed::Restart => *robot.firmware_mut() = InProcess::new(Default::default(), 99),
                     Deed::Kill => kill(id),
                     Deed::Unplug(duration) => {
                         drop(pty);

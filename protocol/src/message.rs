@@ -20,7 +20,7 @@ pub use crate::telemetry::Telemetry;
 use serde::{Deserialize, Serialize};
 
 /// The version of the rules; both ends must have the same for the robot to move.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 
 /// The most legs that the robot keeps: those not yet driven, and those whose end is not yet reported.
 pub const MAX_LEGS: usize = 32;
@@ -75,7 +75,7 @@ pub enum Command {
         /// As for [`Stop`](Self::Stop), with which it is counted.
         number: u8,
     },
-    /// Says where a camera saw the robot; refused with [`Report::PoseRefused`].
+    /// Says where a camera saw the robot; refused with [`Report::PoseRefused`] where it cannot be right.
     SetPose(CameraPose),
     /// Asks for the robot's numbers; answered by [`Report::Parameters`].
     GetParameters,
@@ -101,7 +101,7 @@ pub struct HostHello {
     pub version: u16,
     /// The host's [`SCHEMA_HASH`](crate::schema::SCHEMA_HASH).
     pub schema: u64,
-    /// Drawn anew for each connection.
+    /// Drawn for each connection.
     pub nonce: u32,
 }
 
@@ -114,7 +114,7 @@ pub enum Reboot {
     Bootloader,
 }
 
-/// What the robot tells the host.
+/// What the robot reports to the host.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Report {
     /// Answers a hello, and any frame of a session that the robot does not know. *Frozen.*
@@ -191,6 +191,9 @@ pub enum PoseRefusal {
     TooOld,
     /// The exposure has not happened yet.
     InFuture,
+    /// It lies further from the robot's own estimate at the exposure than the wheels can have led odometry
+    /// astray since the last accepted pose, camera errors allowed for.
+    Implausible,
 }
 
 /// The battery's voltage and what it means.
@@ -225,7 +228,7 @@ pub struct RobotHello {
     pub schema: u64,
     /// The nonce of the host that is answered; 0 if none said hello since the robot started.
     pub host_nonce: u32,
-    /// Drawn anew each time the robot starts.
+    /// Drawn each time the robot starts.
     pub nonce: u32,
     /// What it runs on.
     pub board: Board,
@@ -260,7 +263,7 @@ pub enum ResetCause {
     /// Power came on, or its reset pin was pulled.
     #[default]
     PowerOn,
-    /// It was told to.
+    /// The host asked for it.
     Command,
     /// Its control tick or its link task stood still.
     Watchdog,
@@ -275,7 +278,7 @@ impl ResetCause {
     pub fn explanation(self) -> &'static str {
         match self {
             Self::PowerOn => "its power came on, or its reset pin was pulled",
-            Self::Command => "it was told to",
+            Self::Command => "the host asked for it",
             Self::Watchdog => "its program stood still (watchdog)",
             Self::Panic => "its program failed (panic)",
             Self::HardFault => "its processor failed (hard fault)",
@@ -333,7 +336,7 @@ impl Fault {
             Self::Encoder => "an encoder says what the motor cannot have done; check its wires",
             Self::Battery => "the battery is empty",
             Self::TickOverrun => "the control loop was late",
-            Self::EmergencyStop => "it was told to cut its drive at once",
+            Self::EmergencyStop => "the host asked for an emergency stop",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One number for the shape of all messages: both ends must have the same for the robot to move.
 //!
 //! `schema.txt` beside this file lists every type on the wire, in the form that serde sees; a test
-//! draws it from the types anew and fails if it differs. Its hash is taken at compile time, so no
+//! draws it again from the types and fails if it differs. Its hash is taken at compile time, so no
 //! byte of it is in the firmware.
 
 /// FNV-1a of `schema.txt`.

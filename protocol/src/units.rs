@@ -1,7 +1,7 @@
 //! Quantities with their units: SI, radians, single precision as the robot computes and the wire carries.
 //!
 //! A quantity is a plain number in a named wrapper. Formulas take the number out (`.0`) and use the
-//! paper's letters; public signatures keep the wrapper, so that metres never meet radians.
+//! paper's letters; public signatures keep the wrapper, so that metres are never mixed with radians.
 
 use core::f32::consts::{PI, TAU};
 use serde::{Deserialize, Serialize};
@@ -44,7 +44,7 @@ impl Radians {
     /// assert!((Radians(7.0).wrapped().0 - (7.0 - 2.0 * PI)).abs() < 1e-6);
     /// ```
     pub fn wrapped(self) -> Self {
-        // The most usual case, and on a processor without floating point the division is dear.
+        // The most usual case, and on a processor without floating point a division is slow.
         if self.0 > -PI && self.0 <= PI {
             return self;
         }

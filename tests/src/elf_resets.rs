@@ -115,7 +115,7 @@ impl Drive {
 
     /// Resets the chip; how the mission ends.
     fn reset(&mut self, cause: ResetCause) -> MissionError {
-        let pico = self.client.port_mut().brain_mut();
+        let pico = self.client.port_mut().firmware_mut();
         let done = match cause {
             ResetCause::Panic => pico.inject(Fault::Panic),
             ResetCause::HardFault => pico.inject(Fault::HardFault),

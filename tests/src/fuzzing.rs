@@ -6,7 +6,7 @@
 use crate::POLL;
 use crate::link::{Client, ORIGIN, STUCK, straight_legs, wired};
 use hil_sim::in_process::InProcess;
-use hil_sim::wire::{Fate, Faults, Pace};
+use hil_sim::wire::{Faults, FrameFault, Pace};
 use protocol::frame::{Decoder, MAX_FRAME, encode};
 use protocol::message::{Command, Report, State};
 use std::io::Write;
@@ -36,7 +36,7 @@ pub fn decoder(data: &[u8]) {
     }
 }
 
-/// Drives missions over two wires, while `data` decides what the wires, the user and fate do, two
+/// Drives missions over two wires, while `data` decides what the wires, the user and fault do, two
 /// bytes a step. Afterwards the wires are perfect and the mission under way must end.
 ///
 /// # Panics
@@ -45,7 +45,7 @@ pub fn decoder(data: &[u8]) {
 pub fn whole_stack(data: &[u8]) {
     let mut stack = Stack::new();
     for step in data.chunks(2) {
-        stack.meddle(step[0], step.get(1).copied().unwrap_or(0));
+        stack.disturb(step[0], step.get(1).copied().unwrap_or(0));
         stack.run(5);
     }
     let rounds = STUCK.as_millis() / POLL.as_millis();
@@ -103,17 +103,17 @@ impl Stack {
         self.next = None;
     }
 
-    fn meddle(&mut self, action: u8, value: u8) {
+    fn disturb(&mut self, action: u8, value: u8) {
         let port = self.client.port_mut();
         let way = usize::from(action & 1);
-        let fate = match value % 4 {
-            0 => Fate::Vanish,
-            1 => Fate::Double,
-            2 => Fate::Late(usize::from(value / 4 % 8) + 1),
-            _ => Fate::Arrive,
+        let fault = match value % 4 {
+            0 => FrameFault::Lost,
+            1 => FrameFault::Duplicated,
+            2 => FrameFault::Delayed(usize::from(value / 4 % 8) + 1),
+            _ => FrameFault::None,
         };
         match action / 2 % 16 {
-            0..=5 => port.wires()[way].ordain([fate]),
+            0..=5 => port.wires()[way].script([fault]),
             6 => {
                 let now = port.now();
                 port.wires()[way].write(&[value, action, 0], now);
@@ -121,7 +121,7 @@ impl Stack {
             7 => {
                 let _ = port.write(&[value; 3]);
             }
-            8 => *port.brain_mut() = InProcess::new(Default::default(), 1000 + u32::from(value)),
+            8 => *port.firmware_mut() = InProcess::new(Default::default(), 1000 + u32::from(value)),
             9 => self.reconnect(way == 1),
             10 => self.client.stop(),
             11 => {
@@ -171,7 +171,7 @@ impl Stack {
                 }
                 MissionEvent::Done(_) => {
                     assert!(self.next.is_none_or(|next| next == LEGS), "{:?}", self.next);
-                    let state = self.client.port_mut().brain_mut().robot().state();
+                    let state = self.client.port_mut().firmware_mut().robot().state();
                     assert!(state != State::Driving, "it drives after the end");
                     self.mission = None;
                     return;

@@ -19,11 +19,11 @@ pub mod model;
 pub mod replug;
 pub mod vehicles;
 
-use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
-use hil_sim::simulation::{Brain, Simulation};
+use hil_sim::simulation::{Firmware, Simulation};
 use protocol::motion::{Leg, Pose};
+use protocol::parameters::Parameters;
 use std::time::Duration;
 use wmr::link::LinkClient;
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
@@ -39,19 +39,19 @@ pub fn simulated_robot(start: Pose, seed: u64) -> Simulation<InProcess> {
     Simulation::new(InProcess::new(Parameters::default(), 1), base, None)
 }
 
-/// Drives `legs` on `simulation` for at most `seconds`, and lets `meddle` act at each poll.
+/// Drives `legs` on `simulation` for at most `seconds`, and lets `disturb` act at each poll.
 ///
 /// # Errors
 /// [`MissionError`] if the mission ended so.
 ///
 /// # Panics
 /// If it did not end in time.
-pub fn drive<B: Brain>(
+pub fn drive<B: Firmware>(
     simulation: Simulation<B>,
     legs: Vec<Leg>,
     start: Pose,
     seconds: u64,
-    mut meddle: impl FnMut(&mut LinkClient<Simulation<B>>, &[MissionEvent]),
+    mut disturb: impl FnMut(&mut LinkClient<Simulation<B>>, &[MissionEvent]),
 ) -> Result<(Vec<MissionEvent>, Simulation<B>), MissionError> {
     let mut client = LinkClient::new(simulation, 42);
     let mut mission = Mission::new(legs, start);
@@ -59,7 +59,7 @@ pub fn drive<B: Brain>(
     while client.port_mut().now() < Duration::from_secs(seconds) {
         let now = client.port_mut().now();
         let news = mission.step(&mut client, now)?;
-        meddle(&mut client, &news);
+        disturb(&mut client, &news);
         events.extend(news);
         if events.iter().any(|event| matches!(event, MissionEvent::Done(_))) {
             return Ok((events, client.into_port()));

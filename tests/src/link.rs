@@ -45,7 +45,7 @@ pub struct Tally {
     pub milliseconds: u64,
 }
 
-/// A client of a robot at the origin behind two wires of this kind, each with fates of its own.
+/// A client of a robot at the origin behind two wires of this kind, each with faults of its own.
 pub fn wired(faults: Faults, pace: Pace, seed: u64) -> Client {
     let simulation = simulated_robot(ORIGIN, seed)
         .with_wires(Wire::new(faults, pace, 2 * seed), Wire::new(faults, pace, 2 * seed + 1));

@@ -2,7 +2,7 @@
 
 use crate::POLL;
 use hil_sim::lockstep::Lockstep;
-use hil_sim::simulation::Brain;
+use hil_sim::simulation::Firmware;
 use protocol::motion::{Leg, Pose};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
@@ -14,7 +14,7 @@ use wmr::link::mission::{Mission, MissionEvent};
 ///
 /// # Panics
 /// If it has not ended after half a minute.
-pub fn drive_lockstep<B: Brain>(
+pub fn drive_lockstep<B: Firmware>(
     robot: B,
     stream: TcpStream,
     step: Duration,
@@ -40,7 +40,7 @@ pub fn drive_lockstep<B: Brain>(
 ///
 /// # Panics
 /// If the mission or the example fails.
-pub fn on_the_python_base<B: Brain>(robot: B, legs: Vec<Leg>, start: Pose) -> Option<[f64; 3]> {
+pub fn on_the_python_base<B: Firmware>(robot: B, legs: Vec<Leg>, start: Pose) -> Option<[f64; 3]> {
     Command::new("python3").arg("--version").output().ok()?;
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port().to_string();

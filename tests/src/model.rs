@@ -13,7 +13,7 @@
 use crate::POLL;
 use crate::link::{Client, ORIGIN, STUCK, straight_legs, wired};
 use hil_sim::in_process::InProcess;
-use hil_sim::wire::{Fate, Faults, Pace};
+use hil_sim::wire::{Faults, FrameFault, Pace};
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Duration;
@@ -21,7 +21,7 @@ use wmr::link::LinkError;
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
 
 /// What may befall a frame, for one of the budget.
-const FAULTS: [Fate; 3] = [Fate::Vanish, Fate::Double, Fate::Late(2)];
+const FAULTS: [FrameFault; 3] = [FrameFault::Lost, FrameFault::Duplicated, FrameFault::Delayed(2)];
 /// The legs of the mission.
 const LEGS: u16 = 2;
 /// More frames than an end sends in one step.
@@ -129,23 +129,23 @@ impl State {
         if !self.restarted {
             let mut restarted = self.clone();
             let fresh = InProcess::new(Default::default(), 99);
-            *restarted.client.port_mut().brain_mut() = fresh;
+            *restarted.client.port_mut().firmware_mut() = fresh;
             restarted.restarted = true;
             all.push((restarted, 1));
         }
         let frames = self.frames(0, |state| {
             state.host(&mut Found::default());
         });
-        for (fates, spent) in fates(frames, budget) {
+        for (script, spent) in script(frames, budget) {
             let mut state = self.clone();
-            state.client.port_mut().wires()[0].ordain(fates);
+            state.client.port_mut().wires()[0].script(script);
             if state.host(found) {
                 continue;
             }
             let frames = state.frames(1, Self::robot);
-            for (fates, more) in self::fates(frames, budget - spent) {
+            for (script, more) in self::script(frames, budget - spent) {
                 let mut state = state.clone();
-                state.client.port_mut().wires()[1].ordain(fates);
+                state.client.port_mut().wires()[1].script(script);
                 state.robot();
                 all.push((state, spent + more));
             }
@@ -156,9 +156,9 @@ impl State {
     /// How many frames `step` puts on the wire that leads `way`.
     fn frames(&self, way: usize, step: impl Fn(&mut Self)) -> usize {
         let mut state = self.clone();
-        state.client.port_mut().wires()[way].ordain([Fate::Arrive; PLENTY]);
+        state.client.port_mut().wires()[way].script([FrameFault::None; PLENTY]);
         step(&mut state);
-        PLENTY - state.client.port_mut().wires()[way].ordained()
+        PLENTY - state.client.port_mut().wires()[way].scripted()
     }
 
     /// Goes on without faults.
@@ -212,17 +212,18 @@ impl State {
 }
 
 /// Every way to share out up to `budget` faults among so many frames, and what it costs.
-fn fates(frames: usize, budget: u32) -> Vec<(Vec<Fate>, u32)> {
+fn script(frames: usize, budget: u32) -> Vec<(Vec<FrameFault>, u32)> {
     let mut all = vec![(Vec::new(), 0)];
     for _ in 0..frames {
         all = all
             .into_iter()
-            .flat_map(|(fates, spent)| {
-                let affordable: &[Fate] = if spent < budget { &FAULTS } else { &[] };
-                let one =
-                    move |fate: Fate, cost| ([fates.as_slice(), &[fate]].concat(), spent + cost);
-                let arrives = one(Fate::Arrive, 0);
-                let faulty: Vec<_> = affordable.iter().map(|fate| one(*fate, 1)).collect();
+            .flat_map(|(script, spent)| {
+                let affordable: &[FrameFault] = if spent < budget { &FAULTS } else { &[] };
+                let one = move |fault: FrameFault, cost| {
+                    ([script.as_slice(), &[fault]].concat(), spent + cost)
+                };
+                let arrives = one(FrameFault::None, 0);
+                let faulty: Vec<_> = affordable.iter().map(|fault| one(*fault, 1)).collect();
                 std::iter::once(arrives).chain(faulty)
             })
             .collect();

@@ -88,11 +88,11 @@ pub(crate) fn describe_run(run: &Run) -> String {
         position * 1000.0,
         heading.to_degrees()
     );
-    if let Some(encounters) = run.truth.and_then(|truth| truth.encounters) {
+    if let Some(collision_log) = run.truth.and_then(|truth| truth.collision_log) {
         text += &format!(
             "{} collisions; smallest gap beside the robot {:.0} mm\n",
-            encounters.collisions,
-            encounters.min_clearance * 1000.0
+            collision_log.collisions,
+            collision_log.min_clearance * 1000.0
         );
     }
     text

@@ -3,8 +3,9 @@
 use super::error::CliError;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::EmulatedPico;
-use hil_sim::in_process::{InProcess, paper_robot};
-use hil_sim::simulation::{Brain, Simulation, Truth};
+use hil_sim::in_process::InProcess;
+use hil_sim::presets::paper_robot;
+use hil_sim::simulation::{Firmware, Simulation, Truth};
 use hil_sim::world::World;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -35,7 +36,7 @@ pub(crate) trait Endpoint: Read + Write {
     }
 }
 
-impl<B: Brain> Endpoint for Simulation<B> {
+impl<B: Firmware> Endpoint for Simulation<B> {
     fn now(&self) -> Duration {
         Simulation::now(self)
     }
@@ -134,9 +135,9 @@ impl SimulatedWorld {
         Self { world: Some(world), start, seed }
     }
 
-    /// `brain` on `base` in this world.
-    pub(crate) fn with<B: Brain>(self, brain: B, base: BaseParameters) -> Simulation<B> {
-        Simulation::new(brain, WheeledBase::new(base, self.start), self.world)
+    /// `firmware` on `base` in this world.
+    pub(crate) fn with<B: Firmware>(self, firmware: B, base: BaseParameters) -> Simulation<B> {
+        Simulation::new(firmware, WheeledBase::new(base, self.start), self.world)
     }
 
     fn robot(self, robot: SimulatedRobot) -> Simulation<InProcess> {

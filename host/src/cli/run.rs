@@ -133,9 +133,9 @@ impl Run {
                 "true_pose".into(),
                 json!([truth.pose.x, truth.pose.y, truth.pose.heading]),
             );
-            if let Some(encounters) = truth.encounters {
-                document.insert("collisions".into(), json!(encounters.collisions));
-                document.insert("min_clearance".into(), json!(encounters.min_clearance));
+            if let Some(collision_log) = truth.collision_log {
+                document.insert("collisions".into(), json!(collision_log.collisions));
+                document.insert("min_clearance".into(), json!(collision_log.min_clearance));
             }
         }
         document

@@ -11,7 +11,7 @@ use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::lockstep::{self, Lockstep, Pacing};
 use hil_sim::realtime;
-use hil_sim::simulation::{Brain, Truth};
+use hil_sim::simulation::{Firmware, Truth};
 use hil_sim::tcp::TcpPort;
 use serde_json::json;
 use std::io::{self, Read, Write};
@@ -57,20 +57,20 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
 trait Port: Read + Write {}
 impl<P: Read + Write> Port for P {}
 
-fn serve<B: Brain>(
+fn serve<B: Firmware>(
     world: SimulatedWorld,
-    brain: B,
+    firmware: B,
     args: &SimArgs,
     output: Output,
 ) -> Result<(), CliError> {
     let mut port = offer(args, output)?;
     if let Some(address) = &args.lockstep {
-        let seconds = lockstep(brain, address, args, &mut port, output)?.as_secs_f64();
+        let seconds = lockstep(firmware, address, args, &mut port, output)?.as_secs_f64();
         return output
             .result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
     }
     let base = BaseParameters::seeded(args.seed);
-    let mut simulation = world.with(brain, base);
+    let mut simulation = world.with(firmware, base);
     realtime::run(&mut simulation, &mut port, |_| !mission::interrupted()).map_err(failed)?;
     report(&simulation.truth(), output)
 }
@@ -79,9 +79,9 @@ fn failed(error: io::Error) -> CliError {
     CliError::new(Exit::Port, "port.failed", error, "start it again")
 }
 
-/// Runs `brain` on the physics that connect at `address`; how far their time got.
-fn lockstep<B: Brain>(
-    brain: B,
+/// Runs `firmware` on the physics that connect at `address`; how far their time got.
+fn lockstep<B: Firmware>(
+    firmware: B,
     address: &str,
     args: &SimArgs,
     port: &mut Box<dyn Port>,
@@ -89,7 +89,7 @@ fn lockstep<B: Brain>(
 ) -> Result<Duration, CliError> {
     let Some(physics) = accept(address, output)? else { return Ok(Duration::ZERO) };
     let step = Duration::from_secs_f64(args.step);
-    let mut base = Lockstep::new(brain, physics, step).map_err(failed)?;
+    let mut base = Lockstep::new(firmware, physics, step).map_err(failed)?;
     let pacing = if args.fast { Pacing::Fast } else { Pacing::RealTime };
     lockstep::run(&mut base, port, pacing, || !mission::interrupted()).map_err(failed)?;
     Ok(base.now())
@@ -154,9 +154,9 @@ fn accept(address: &str, output: Output) -> Result<Option<TcpStream>, CliError> 
 fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
     let pose = Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading);
     let mut document = json!({"true_pose": pose});
-    if let (Some(encounters), Some(fields)) = (truth.encounters, document.as_object_mut()) {
-        fields.insert("collisions".into(), json!(encounters.collisions));
-        fields.insert("min_clearance".into(), json!(encounters.min_clearance));
+    if let (Some(collision_log), Some(fields)) = (truth.collision_log, document.as_object_mut()) {
+        fields.insert("collisions".into(), json!(collision_log.collisions));
+        fields.insert("min_clearance".into(), json!(collision_log.min_clearance));
     }
     output.result(&document, &format!("the robot ended at {}", place(pose)))
 }

@@ -1,6 +1,6 @@
 //! One interval of a leg: from which pose, by how much, and where the robot is at phase k.
 //!
-//! Because an interval is solved from a pose, the robot solves each one anew from the *measured*
+//! Because an interval is solved from a pose, the robot solves each one again from the *measured*
 //! pose when its turn comes, and the host chains the three from the planned poses; the formulas are
 //! the same.
 //!
@@ -67,7 +67,7 @@ pub struct Infeasible {
     pub shortest: Seconds,
 }
 
-/// A drive shorter than this is none: its direction would be noise.
+/// A shorter drive counts as no drive: its direction would be noise.
 pub(super) const SHORTEST_DRIVE: Metres = Metres(0.001);
 
 /// The largest part of a turn under the law on tan ψ; there its peak rate is 1.65 times that of

@@ -107,9 +107,7 @@ impl Profile {
     }
 
     /// How fast the fraction grows at phase `k`, per second: c (1 - cos wt) over c ε.
-    ///
-    /// `cosine` is the caller's: the rate only shapes a feed-forward, so an approximation will do.
-    pub fn rate(self, k: u32, cosine: impl Fn(f32) -> f32) -> f32 {
+    pub fn rate(self, k: u32) -> f32 {
         let n = self.phases();
         if k >= n {
             return 0.0;
@@ -117,7 +115,7 @@ impl Profile {
         let from_end = k.min(n - k);
         let peak = self.peak_rate();
         if from_end < self.ramp {
-            peak * 0.5 * (1.0 - cosine(PI * from_end as f32 / self.ramp as f32))
+            peak * 0.5 * (1.0 - sin_cos(PI * from_end as f32 / self.ramp as f32).1)
         } else {
             peak
         }
@@ -168,13 +166,13 @@ mod tests {
         assert!((profile.fraction(512) - 0.5).abs() < ROUNDING);
         assert_eq!(profile.fraction(1024), 1.0);
         // Fastest in the middle: 2 / (4 × 5 ms).
-        assert!((profile.rate(512, f32::cos) - 100.0).abs() < 1e-3);
+        assert!((profile.rate(512) - 100.0).abs() < 1e-3);
     }
 
     #[test]
     fn an_empty_profile_is_done_at_once() {
         assert_eq!(Profile::EMPTY.fraction(0), 1.0);
-        assert_eq!(Profile::EMPTY.rate(0, f32::cos), 0.0);
+        assert_eq!(Profile::EMPTY.rate(0), 0.0);
         assert_eq!(Profile::shortest(Metres(0.0), &limits(0.4, 0.8)), Profile::EMPTY);
     }
 
@@ -182,7 +180,7 @@ mod tests {
     fn a_way_of_a_thousand_kilometres_overflows_nothing() {
         let profile = Profile::shortest(Metres(1e6), &limits(0.4, 0.8));
         assert!(profile.fraction(profile.phases() / 2 + 1) >= 0.5);
-        assert!(profile.rate(profile.phases() - 1, f32::cos) >= 0.0);
+        assert!(profile.rate(profile.phases() - 1) >= 0.0);
     }
 
     proptest! {
@@ -205,7 +203,7 @@ mod tests {
             let slope = (profile.fraction(k + step) - profile.fraction(k.saturating_sub(step))) / seconds;
             // A central difference over two ticks of a function whose second derivative jumps by at most peak_slope.
             let tolerance = profile.peak_slope() * TICK.0 + 1e-3;
-            prop_assert!(k < step || (slope - profile.rate(k, f32::cos)).abs() <= tolerance);
+            prop_assert!(k < step || (slope - profile.rate(k)).abs() <= tolerance);
         }
 
         #[test]

@@ -4,9 +4,9 @@
 use super::bench::{TICK, angle_between, legs_through, robot_pose, true_pose};
 use super::{Figure, Size};
 use firmware::odometry::{Odometry, Rims};
-use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use protocol::motion::{Interval, IntervalMotion, Leg, PHASES_PER_TICK, Pose, Timing};
+use protocol::parameters::Parameters;
 use protocol::units::Radians;
 use std::f64::consts::TAU;
 

@@ -2,11 +2,11 @@
 
 use firmware::controller::Controller;
 use firmware::kinematics::BaseGeometry;
-use firmware::parameters::Parameters;
 use firmware::signals::{Event, Sensors};
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use protocol::message::{MAX_LEGS, Placement, PlanHeader, plan_digest};
 use protocol::motion::{Direction, Leg, Pose, Position, Timing};
+use protocol::parameters::Parameters;
 use protocol::units::Radians;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -105,7 +105,7 @@ pub fn rim_speeds(controller: &Controller) -> [f64; 2] {
 pub fn commit(controller: &mut Controller, legs: &[Leg], placement: Placement) {
     let (plan, first, count) = (legs[0].plan, legs[0].index, legs.len() as u16);
     let digest = plan_digest(legs);
-    controller.queue().begin(PlanHeader { plan, first, count, digest, placement });
+    controller.announce(PlanHeader { plan, first, count, digest, placement });
     legs.iter().for_each(|leg| controller.collect(*leg));
     controller.commit(plan, MAX_LEGS).unwrap_or_else(|refusal| panic!("refused: {refusal:?}"));
 }

@@ -2,9 +2,9 @@
 
 use super::bench::{Bench, normal};
 use super::{Figure, Size};
-use firmware::parameters::Parameters;
 use hil_sim::base::{BaseParameters, TruePose};
 use protocol::motion;
+use protocol::parameters::Parameters;
 use wmr::calibration::{BaseLengths, Course, Run, calibrate};
 use wmr::geometry::Pose;
 use wmr::legs::from_wire;

@@ -2,8 +2,8 @@
 
 use super::bench::angle_between;
 use super::{Figure, Size};
-use firmware::parameters::Parameters;
 use protocol::motion::{Direction, Interval, IntervalMotion, Leg, Limits, Pose, Position, Timing};
+use protocol::parameters::Parameters;
 use protocol::units::Radians;
 use std::f64::consts::{PI, TAU};
 

@@ -6,10 +6,10 @@
 use super::bench::{TICK, commit, random_legs, rim_speeds};
 use super::{Figure, Size};
 use firmware::controller::Controller;
-use firmware::parameters::Parameters;
 use firmware::signals::Sensors;
 use protocol::message::{Placement, State};
 use protocol::motion::Pose;
+use protocol::parameters::Parameters;
 use protocol::units::Metres;
 use std::f64::consts::TAU;
 
@@ -62,13 +62,13 @@ fn drive(seed: u64) -> [f64; 2] {
         last = rims;
         let wheels = controller.commanded_speeds();
         follower.step([wheels.left.0.into(), wheels.right.0.into()], &mut random);
-        meddle(&mut controller, &mut random);
+        disturb(&mut controller, &mut random);
     }
     worst
 }
 
 /// Now and then a camera's pose that differs, a pause, or its end.
-fn meddle(controller: &mut Controller, random: &mut fastrand::Rng) {
+fn disturb(controller: &mut Controller, random: &mut fastrand::Rng) {
     match random.u16(..2000) {
         0..=2 => {
             let mut near = |value: f32, by: f32| value + by * (random.f32() - 0.5);

@@ -8,8 +8,8 @@ use embassy_rp::watchdog::Watchdog;
 use embassy_time::{Duration, Instant, Timer};
 use protocol::message::Reboot;
 use protocol::motion::TICK_MILLISECONDS;
+use protocol::parameters::Parameters;
 use wmr_firmware::parameter_store::Slot;
-use wmr_firmware::parameters::Parameters;
 use wmr_firmware::robot::{Boot, Port, Robot};
 
 use crate::board::{self, BOARD, Base};
