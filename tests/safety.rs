@@ -187,9 +187,11 @@ fn parameters_that_make_no_sense_or_come_while_driving_are_refused() {
         "{refusal:?}"
     );
     let (result, _) = drive_and(|client| {
-        client.send(Command::SetParameters(Parameters::default()));
-        client.send(Command::SaveParameters);
-        // The mission does not look at these answers; that it goes on is what counts.
+        for command in [Command::SetParameters(Parameters::default()), Command::SaveParameters] {
+            let refusal = answer(client, command);
+            let driving = Report::ParametersRefused(ParameterRefusal::NotAtRest);
+            assert_eq!(refusal, driving);
+        }
         assert!(matches!(client.telemetry().map(|t| t.state), Some(State::Driving)));
     });
     assert!(result.is_ok(), "{result:?}");
