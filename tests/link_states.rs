@@ -84,24 +84,48 @@ fn every_history_with_two_faults_at_any_moment_ends_at_the_goal() {
     }
 }
 
+/// A whole mission of two legs needs at least this many frames. To the robot: hello, and legs with the
+/// start of the plan. To the host: hello, acceptance, the end of the legs.
+const LEAST: [usize; 2] = [2, 3];
+
+/// By then a mission of two legs that each take a tick has been over for long.
+const MOST: usize = 60;
+
 #[test]
-fn a_wire_that_dies_at_any_frame_is_an_error_and_the_robot_rests() {
+fn a_wire_that_dies_before_the_mission_is_over_is_an_error_and_the_robot_rests() {
     let dead = Faults { loss: 1.0, ..Faults::default() };
-    for ways in [[true, false], [false, true], [true, true]] {
-        for frames in 0..60 {
+    for dying in [[true, false], [false, true], [true, true]] {
+        // With every frame more that arrives, the mission comes at least as far.
+        let mut enough = None;
+        for frames in 0..MOST {
             let mut client = wired(dead, Pace::default(), 1);
-            for (wire, dies) in client.port_mut().wires().into_iter().zip(ways) {
+            for (wire, dies) in client.port_mut().wires().into_iter().zip(dying) {
                 wire.ordain(std::iter::repeat_n(Fate::Arrive, frames));
                 if !dies {
                     wire.change(Faults::default(), Pace::default());
                 }
             }
-            let end = end(&mut client, 1);
-            assert!(matches!(end, Err(MissionError::Link(_)) | Ok(_)), "{ways:?} {frames} {end:?}");
+            match end(&mut client, 1) {
+                Ok(ended) => {
+                    assert_eq!(ended, [0, 1], "{dying:?} {frames}");
+                    enough.get_or_insert(frames);
+                }
+                Err(MissionError::Link(_)) => {
+                    assert_eq!(enough, None, "{dying:?} {frames}: fewer frames were enough");
+                }
+                other => panic!("{dying:?} {frames} {other:?}"),
+            }
             client.port_mut().wait(STUCK).unwrap();
             let state = client.port_mut().brain_mut().robot().state();
-            assert!(matches!(state, State::Idle | State::Paused(_)), "{ways:?} {frames} {state:?}");
+            assert!(
+                matches!(state, State::Idle | State::Paused(_)),
+                "{dying:?} {frames} {state:?}"
+            );
         }
+        let least = dying.into_iter().zip(LEAST).filter_map(|(dies, least)| dies.then_some(least));
+        let least = least.max().unwrap();
+        let enough = enough.unwrap();
+        assert!((least..MOST / 2).contains(&enough), "{dying:?} {enough}");
     }
 }
 
