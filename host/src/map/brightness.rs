@@ -26,17 +26,16 @@ impl Brightness {
     pub(super) fn decode(bytes: &[u8]) -> Result<Self, MapError> {
         let failed = |error: image::ImageError| MapError::Picture(error.to_string());
         if let [b'P', b'1'..=b'6', ..] = bytes {
-            let pnm = Pnm::read(bytes)?;
-            let picture = image::load_from_memory_with_format(&pnm.bytes, ImageFormat::Pnm);
-            return Ok(Self::of(&picture.map_err(failed)?, pnm.white));
+            let pnm = with_plain_head(bytes)?;
+            let picture = image::load_from_memory_with_format(&pnm, ImageFormat::Pnm);
+            return Ok(Self::of(&picture.map_err(failed)?));
         }
-        Ok(Self::of(&image::load_from_memory(bytes).map_err(failed)?, WHITE))
+        Ok(Self::of(&image::load_from_memory(bytes).map_err(failed)?))
     }
 
-    /// `white` is the 16-bit sample that means full brightness.
-    fn of(picture: &DynamicImage, white: f32) -> Self {
+    fn of(picture: &DynamicImage) -> Self {
         let (columns, rows) = (picture.width() as usize, picture.height() as usize);
-        let scaled = |sum: f32, channels: f32| Some((sum / channels / white).min(1.0));
+        let scaled = |sum: f32, channels: f32| Some(sum / channels / WHITE);
         let cells = match picture {
             DynamicImage::ImageLuma8(grey) => {
                 grey.iter().map(|&value| scaled(f32::from(value) * WIDENED, 1.0)).collect()
@@ -57,48 +56,37 @@ impl Brightness {
 /// A PNM file with its head written in the one form that decoders agree on.
 ///
 /// The `image` crate takes exactly one character after the head for its end. A comment there, or the
-/// two characters of a Windows line end, would shift all cells; and it leaves samples below 255 as
-/// they are, whatever sample the head says is white.
-struct Pnm {
-    bytes: Vec<u8>,
-    white: f32,
-}
-
-impl Pnm {
-    fn read(file: &[u8]) -> Result<Self, MapError> {
-        let kind = file[1];
-        let (plain, bitmap) = (kind <= b'3', matches!(kind, b'1' | b'4'));
-        let mut rest = &file[2..];
-        let mut head_number = || next_number(&mut rest).ok_or(MapError::Missing("PNM head"));
-        let (columns, rows) = (head_number()?, head_number()?);
-        let white = if bitmap { 1 } else { head_number()? };
-        if !(1..=65535).contains(&white) {
-            return Err(MapError::Picture(format!("white is {white}, not 1 to 65535")));
-        }
-        let cells = columns.checked_mul(rows).filter(|cells| (1..=CELL_LIMIT).contains(cells));
-        let cells = cells.ok_or_else(|| MapError::Picture(format!("{columns} × {rows} pixels")))?;
-        let channels = if matches!(kind, b'3' | b'6') { 3 } else { 1 };
-        let sample_bytes = if white > 255 { 2 } else { 1 };
-        let mut bytes = format!("P{}\n{columns} {rows}\n", char::from(kind)).into_bytes();
-        if !bitmap {
-            bytes.extend(format!("{white}\n").into_bytes());
-        }
-        if plain {
-            bytes.extend(without_comments(rest));
-        } else {
-            let row = if bitmap { columns.div_ceil(8) } else { columns * channels * sample_bytes };
-            let samples = raster(rest, row * rows);
-            if samples.len() < row * rows {
-                let found = samples.len() * cells / (row * rows);
-                return Err(MapError::Cut { expected: cells, found });
-            }
-            bytes.extend(samples);
-        }
-        let widened = if white > 255 { 1.0 } else { WIDENED };
-        // Decoders give a bitmap as black and white of 8 bits.
-        let white = if bitmap { WHITE } else { white as f32 * widened };
-        Ok(Self { bytes, white })
+/// two characters of a Windows line end, would shift all cells.
+fn with_plain_head(file: &[u8]) -> Result<Vec<u8>, MapError> {
+    let kind = file[1];
+    let (plain, bitmap) = (kind <= b'3', matches!(kind, b'1' | b'4'));
+    let mut rest = &file[2..];
+    let mut head_number = || next_number(&mut rest).ok_or(MapError::Missing("PNM head"));
+    let (columns, rows) = (head_number()?, head_number()?);
+    let white = if bitmap { 1 } else { head_number()? };
+    if !(1..=65535).contains(&white) {
+        return Err(MapError::Picture(format!("white is {white}, not 1 to 65535")));
     }
+    let cells = columns.checked_mul(rows).filter(|cells| (1..=CELL_LIMIT).contains(cells));
+    let cells = cells.ok_or_else(|| MapError::Picture(format!("{columns} × {rows} pixels")))?;
+    let channels = if matches!(kind, b'3' | b'6') { 3 } else { 1 };
+    let sample_bytes = if white > 255 { 2 } else { 1 };
+    let mut bytes = format!("P{}\n{columns} {rows}\n", char::from(kind)).into_bytes();
+    if !bitmap {
+        bytes.extend(format!("{white}\n").into_bytes());
+    }
+    if plain {
+        bytes.extend(without_comments(rest));
+    } else {
+        let row = if bitmap { columns.div_ceil(8) } else { columns * channels * sample_bytes };
+        let samples = raster(rest, row * rows);
+        if samples.len() < row * rows {
+            let found = samples.len() * cells / (row * rows);
+            return Err(MapError::Cut { expected: cells, found });
+        }
+        bytes.extend(samples);
+    }
+    Ok(bytes)
 }
 
 /// The samples after the head of a binary PNM, of which there are to be `length` bytes. What stands
