@@ -10,8 +10,10 @@ use crate::scene::{Scene, SceneError};
 use protocol::motion::{self, Leg};
 use serde::{Deserialize, Serialize};
 
-/// A plan with its scene.
+/// A plan with its scene. Its points are in the arena frame in memory, and in a file in the frame of
+/// the scene's map, if it has one, as those of the scene are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct PlanFile {
     /// Names the format and its version.
     pub format: PlanFormat,
@@ -209,6 +211,42 @@ impl PlanFile {
             return Err(PlanFileError::Touches { clearance, radius });
         }
         Ok(())
+    }
+}
+
+impl Serialize for PlanFile {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.scene.origin {
+            Some(origin) => Self::serialize(&self.moved_by(origin.x, origin.y), serializer),
+            None => Self::serialize(self, serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for PlanFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let plan = Self::deserialize(deserializer)?;
+        Ok(match plan.scene.origin {
+            Some(origin) => plan.moved_by(-origin.x, -origin.y),
+            None => plan,
+        })
+    }
+}
+
+impl PlanFile {
+    /// The same plan with waypoints and legs `x` and `y` metres further; its scene moves itself.
+    fn moved_by(&self, x: f64, y: f64) -> Self {
+        let point = |at: &Point| Point::new(at.x + x, at.y + y);
+        let leg = |leg: &PlannedLeg| PlannedLeg {
+            start: Pose { position: point(&leg.start.position), ..leg.start },
+            goal: (leg.goal.0 + x, leg.goal.1 + y, leg.goal.2),
+            ..*leg
+        };
+        Self {
+            waypoints: self.waypoints.iter().map(point).collect(),
+            legs: self.legs.iter().map(leg).collect(),
+            ..self.clone()
+        }
     }
 }
 

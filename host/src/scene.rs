@@ -4,18 +4,27 @@
 //! edited by hand and used instead of the photo. Metres and radians in the arena frame.
 
 use crate::geometry::{Arena, Point, Pose, Rect};
+use crate::vision::Detection;
 use serde::{Deserialize, Serialize};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V]; used where no input names one.
 pub const DEFAULT_ROBOT_RADIUS: f64 = 0.075;
 
 /// An arena with its obstacles: what the planner knows of the world.
+///
+/// In memory all points are in the arena frame. In a file with an `origin` they are in the frame of the
+/// map that the scene comes from: reading and writing move them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Scene {
     /// Names the format and its version.
     pub format: SceneFormat,
     /// The floor's size.
     pub arena: Arena,
+    /// Where the arena's lower left corner lies in the frame of the map that the scene comes from,
+    /// metres; `None` where the arena frame is the only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Point>,
     /// The radius of the disc that covers the robot, metres.
     #[serde(default = "default_robot_radius")]
     pub robot_radius: f64,
@@ -89,12 +98,22 @@ impl Scene {
         Self {
             format: SceneFormat::Scene,
             arena: Arena { width, height },
+            origin: None,
             robot_radius: DEFAULT_ROBOT_RADIUS,
             obstacles: Vec::new(),
             start: None,
             goal: None,
             queries: Vec::new(),
         }
+    }
+
+    /// The scene that was seen in a photo of an `arena`, for a robot of `robot_radius` metres: it starts
+    /// where the robot was seen. How much further out each edge may lie stays in
+    /// [`Detection::margins`], for [`Margin::per_obstacle`](crate::grid::Margin).
+    pub fn from_detection(detection: &Detection, arena: Arena, robot_radius: f64) -> Self {
+        let obstacles = detection.obstacles.clone();
+        let start = detection.robot;
+        Self { robot_radius, obstacles, start, ..Self::new(arena.width, arena.height) }
     }
 
     /// Reads a scene from the text of a `wmr-scene/1` or `wmr-arena/1` file.
@@ -142,6 +161,43 @@ impl Scene {
             ordered("an obstacle's upper edge", rect.y0, rect.y1)?;
         }
         Ok(())
+    }
+}
+
+impl Serialize for Scene {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.origin {
+            Some(origin) => Self::serialize(&self.moved_by(origin.x, origin.y), serializer),
+            None => Self::serialize(self, serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Scene {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let scene = Self::deserialize(deserializer)?;
+        Ok(match scene.origin {
+            Some(origin) => scene.moved_by(-origin.x, -origin.y),
+            None => scene,
+        })
+    }
+}
+
+impl Scene {
+    /// The same scene with all points `x` and `y` metres further.
+    fn moved_by(&self, x: f64, y: f64) -> Self {
+        let point = |at: Point| Point::new(at.x + x, at.y + y);
+        let pose = |at: Pose| Pose { position: point(at.position), ..at };
+        let goal = |at: Goal| Goal { position: point(at.position), ..at };
+        let rect = |of: &Rect| Rect::new(of.x0 + x, of.y0 + y, of.x1 + x, of.y1 + y);
+        let query = |of: &Query| Query { start: point(of.start), goal: point(of.goal), ..*of };
+        Self {
+            obstacles: self.obstacles.iter().map(rect).collect(),
+            start: self.start.map(pose),
+            goal: self.goal.map(goal),
+            queries: self.queries.iter().map(query).collect(),
+            ..self.clone()
+        }
     }
 }
 
@@ -200,6 +256,19 @@ mod tests {
         scene.start = Some(Pose::new(0.2, 0.3, 1.0));
         scene.goal = Some(Goal { position: Point::new(1.0, 1.5), heading: None });
         let text = serde_json::to_string(&scene).unwrap();
+        assert_eq!(Scene::from_json(&text).unwrap(), scene);
+    }
+
+    #[test]
+    fn a_scene_of_a_map_is_written_in_the_frame_of_the_map() {
+        let mut scene = Scene::new(2.0, 1.0);
+        scene.origin = Some(Point::new(-1.0, -0.5));
+        scene.obstacles.push(Rect::new(0.25, 0.5, 0.75, 1.0));
+        scene.start = Some(Pose::new(0.5, 0.25, 1.0));
+        let text = serde_json::to_string(&scene).unwrap();
+        assert!(text.contains(r#""origin":[-1.0,-0.5]"#), "{text}");
+        assert!(text.contains(r#""obstacles":[[-0.75,0.0,-0.25,0.5]]"#), "{text}");
+        assert!(text.contains(r#""start":[-0.5,-0.25,1.0]"#), "{text}");
         assert_eq!(Scene::from_json(&text).unwrap(), scene);
     }
 

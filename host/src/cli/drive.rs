@@ -22,6 +22,7 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
             resolution: args.way.resolution,
             keep_steps: args.log.is_some(),
         },
+        output,
     )?;
     let asked = args.way.with_corners(&args.vision);
     let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
@@ -56,6 +57,7 @@ pub(crate) fn drive_way(
     let endpoint = endpoint::open(port, world, robot)?;
     let legs = |limits: &Limits| way::legs_of(file, args, limits);
     let mut driven = mission::drive(endpoint, start, legs, resume, output)?;
+    driven.run.origin = way::origin(&file.scene);
     driven.run.goal = file.waypoints.last().copied();
     Ok(driven)
 }
@@ -84,7 +86,7 @@ pub(crate) fn describe_run(run: &Run) -> String {
         "{} in {:.2} s; {known} end pose {}, {:.1} mm and {:.2}° from the goal\n",
         count_of_legs(run.results.len()),
         run.duration(),
-        place(run.best_pose()),
+        place(run.in_map_frame(run.best_pose())),
         position * 1000.0,
         heading.to_degrees()
     );

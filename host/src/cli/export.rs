@@ -21,7 +21,7 @@ const CELL_LIMIT: f64 = 100e6;
 
 /// `wmr export`.
 pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
-    let map = cells(args)?;
+    let map = cells(args, output)?;
     let ending = args.output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let files: Vec<PathBuf> = match ending {
         "yaml" | "yml" => {
@@ -62,13 +62,13 @@ pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
 }
 
 /// A map's own cells, or those that an arena's obstacles touch.
-fn cells(args: &ExportArgs) -> Result<CellMap, CliError> {
+fn cells(args: &ExportArgs, output: Output) -> Result<CellMap, CliError> {
     let own = args.resolution.unwrap_or(MOVING_AI_RESOLUTION);
-    if let Some(map) = input::read_cells(&args.input, own)? {
+    if let Some(map) = input::read_cells(&args.input, own, output)? {
         return Ok(map);
     }
     let sight = Sight { radius: None, resolution: own, keep_steps: false };
-    let scene = match input::read(&args.input, &args.vision, sight)? {
+    let scene = match input::read(&args.input, &args.vision, sight, output)? {
         Input::Photo(seen) => seen.scene(None),
         Input::Scene(scene) => scene,
         Input::Plan(file) => file.scene,

@@ -2,12 +2,13 @@
 
 use super::args::{MethodName, VisionArgs};
 use super::error::{CliError, Exit};
+use super::output::Output;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use wmr::geometry::Arena;
-use wmr::map::{CellMap, MapError, ros_image_name};
+use wmr::map::{CellMap, MapError, RosHead};
 use wmr::picture::vision::{NamedPicture, vision_pictures};
 use wmr::plan_file::PlanFile;
 use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
@@ -47,7 +48,12 @@ pub(crate) struct Sight {
 }
 
 /// Reads `path`, and if it is a photo, looks at it.
-pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Input, CliError> {
+pub(crate) fn read(
+    path: &Path,
+    vision: &VisionArgs,
+    sight: Sight,
+    output: Output,
+) -> Result<Input, CliError> {
     let bytes = without_byte_order_mark(read_bytes(path)?);
     match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
         None => Err(CliError::new(
@@ -56,15 +62,20 @@ pub(crate) fn read(path: &Path, vision: &VisionArgs, sight: Sight) -> Result<Inp
             format!("{} is empty", path.display()),
             "give a photo (PNG or JPEG), a scene or a plan",
         )),
-        Some(b'{') => read_json(path, &bytes),
+        // YAML may be written like JSON.
+        Some(b'{') if !is_yaml(path) => read_json(path, &bytes),
         Some(_) if path.extension().is_some_and(|ending| ending == "json") => {
             read_json(path, &bytes)
         }
-        Some(_) => match read_cells(path, sight.resolution)? {
+        Some(_) => match read_cells(path, sight.resolution, output)? {
             Some(map) => Ok(Input::Scene(map.to_scene(sight.radius.unwrap_or(MAP_RADIUS)))),
             None => see(bytes, vision, sight).map(|seen| Input::Photo(Box::new(seen))),
         },
     }
+}
+
+fn is_yaml(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml")
 }
 
 /// Editors on Windows begin a text with a mark that JSON does not know.
@@ -99,7 +110,11 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
 
 /// The cells of a map, if the name of `path` says that it is one; those of a Moving AI map are
 /// `resolution` metres wide.
-pub(crate) fn read_cells(path: &Path, resolution: f64) -> Result<Option<CellMap>, CliError> {
+pub(crate) fn read_cells(
+    path: &Path,
+    resolution: f64,
+    output: Output,
+) -> Result<Option<CellMap>, CliError> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let failed = |error| map_error(path, &error);
     let cells = match ending {
@@ -108,14 +123,34 @@ pub(crate) fn read_cells(path: &Path, resolution: f64) -> Result<Option<CellMap>
         }
         "map" => CellMap::from_movingai(&String::from_utf8_lossy(&read_bytes(path)?), resolution),
         "yaml" | "yml" => {
-            let bytes = read_bytes(path)?;
-            let yaml = String::from_utf8_lossy(&bytes);
-            let name = ros_image_name(&yaml).map_err(failed)?;
-            CellMap::from_ros(&yaml, &read_bytes(&path.with_file_name(name))?)
+            let head = RosHead::from_yaml(&String::from_utf8_lossy(&read_bytes(path)?));
+            let head = head.map_err(failed)?;
+            let picture = read_map_picture(path, &head.image, output)?;
+            CellMap::from_ros(&head, &picture).map(|(map, warnings)| {
+                warnings.iter().for_each(|warning| output.say(&format!("warning: {warning}")));
+                map
+            })
         }
         _ => return Ok(None),
     };
     cells.map(Some).map_err(failed)
+}
+
+/// The bytes of the picture that a ROS map names; where nothing has that name, as after a copy from
+/// another computer, of the picture with the same last name beside the map.
+fn read_map_picture(map: &Path, image: &str, output: Output) -> Result<Vec<u8>, CliError> {
+    let image = image.strip_prefix("file://").unwrap_or(image);
+    let named = map.with_file_name("").join(image);
+    let last = image.rsplit(['/', '\\']).next().unwrap_or(image);
+    let beside = map.with_file_name(last);
+    if !named.is_file() && beside.is_file() {
+        output.say(&format!(
+            "the map names {image}, which is not there; {} is taken",
+            beside.display()
+        ));
+        return read_bytes(&beside);
+    }
+    read_bytes(&named)
 }
 
 fn map_error(path: &Path, error: &MapError) -> CliError {
@@ -218,11 +253,7 @@ fn read_camera_file<T: serde::de::DeserializeOwned>(
 impl SeenPhoto {
     /// The scene that was seen.
     pub(crate) fn scene(&self, radius: Option<f64>) -> Scene {
-        let mut scene = Scene::new(self.arena.width, self.arena.height);
-        scene.robot_radius = radius.unwrap_or(DEFAULT_ROBOT_RADIUS);
-        scene.obstacles.clone_from(&self.detection.obstacles);
-        scene.start = self.detection.robot;
-        scene
+        Scene::from_detection(&self.detection, self.arena, radius.unwrap_or(DEFAULT_ROBOT_RADIUS))
     }
 
     /// The steps of seeing, drawn; none unless they were kept.

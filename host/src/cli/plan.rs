@@ -20,6 +20,7 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
             resolution: args.way.resolution,
             keep_steps: args.steps.is_some(),
         },
+        output,
     )?;
     let asked = args.way.with_corners(&args.vision);
     if args.queries {
@@ -49,8 +50,10 @@ pub(crate) fn describe_way(way: &PlannedWay) -> String {
         file.duration,
         file.clearance * 1000.0
     );
+    let origin = way::origin(&file.scene);
     for (index, point) in file.waypoints.iter().enumerate() {
-        text += &format!("  {}: ({:.3}, {:.3})\n", index, point.x, point.y);
+        let (x, y) = (point.x + origin.x, point.y + origin.y);
+        text += &format!("  {index}: ({x:.3}, {y:.3})\n");
     }
     text
 }

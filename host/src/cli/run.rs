@@ -22,6 +22,9 @@ pub(crate) struct Run {
     pub(crate) end: Pose,
     /// Where the way leads. The legs may lead less far: one of a millimetre moves no wheel.
     pub(crate) goal: Option<Point>,
+    /// Where the arena's lower left corner lies in the frame of the map, metres; documents give poses
+    /// in that frame.
+    pub(crate) origin: Point,
     pub(crate) truth: Option<hil_sim::simulation::Truth>,
     pub(crate) link: LinkStatistics,
 }
@@ -64,6 +67,7 @@ impl Run {
             results: Vec::new(),
             end: start,
             goal: None,
+            origin: Point::new(0.0, 0.0),
             truth: None,
             link: LinkStatistics::default(),
         }
@@ -104,6 +108,12 @@ impl Run {
             .map_or(self.end, |truth| Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
     }
 
+    /// A pose of the arena frame as a person with the map reads it.
+    pub(crate) fn in_map_frame(&self, pose: Pose) -> Pose {
+        let Point { x, y } = pose.position;
+        Pose { position: Point::new(x + self.origin.x, y + self.origin.y), ..pose }
+    }
+
     /// How far it is from the goal: metres and radians.
     pub(crate) fn error(&self) -> (f64, f64) {
         let planned = planned_end(&self.legs, &self.limits).unwrap_or(self.end);
@@ -122,7 +132,7 @@ impl Run {
         let (position, heading) = self.error();
         let mut document = json!({
             "reached": self.reached(),
-            "pose": self.end,
+            "pose": self.in_map_frame(self.end),
             "error": {"position": position, "heading": heading},
             "duration": self.duration(),
             "legs": self.leg_documents(),
@@ -131,7 +141,7 @@ impl Run {
         if let (Some(truth), Some(document)) = (self.truth, document.as_object_mut()) {
             document.insert(
                 "true_pose".into(),
-                json!([truth.pose.x, truth.pose.y, truth.pose.heading]),
+                json!(self.in_map_frame(Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))),
             );
             if let Some(collision_log) = truth.collision_log {
                 document.insert("collisions".into(), json!(collision_log.collisions));
@@ -157,7 +167,7 @@ impl Run {
             .map(|Sample { time, telemetry }| {
                 let line = json!({
                     "t": time,
-                    "pose": from_wire(telemetry.pose),
+                    "pose": self.in_map_frame(from_wire(telemetry.pose)),
                     "wheels": [telemetry.wheels.left, telemetry.wheels.right],
                     "leg": telemetry.leg,
                     "state": state_name(telemetry.state),

@@ -29,6 +29,7 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
             path,
             &VisionArgs::default(),
             Sight { radius: None, resolution: 1.0, keep_steps: false },
+            output,
         )? {
             Input::Scene(scene) => SimulatedWorld::new(
                 &scene,

@@ -7,7 +7,7 @@ use super::output::Output;
 use protocol::motion::{Limits, Timing};
 use protocol::units::Seconds;
 use std::time::Instant;
-use wmr::geometry::Pose;
+use wmr::geometry::{Point, Pose};
 use wmr::grid::Margin;
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
 use wmr::plan::{Cost, Plan, PlanError, PlanOptions, Planner, PreparedArena};
@@ -112,7 +112,8 @@ fn plan_way(
         cost: cost(args.cost),
         corners: args.corners,
     };
-    let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)?;
+    let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)
+        .map_err(|error| error.seen_from(origin(&scene)))?;
     if tried.first() != Some(&margin) {
         output.say(&format!(
             "there is no room for a margin of 10 mm; keeping {:.0} mm",
@@ -241,10 +242,18 @@ pub(crate) fn with_radius(scene: &Scene, radius: Option<f64>) -> Scene {
     Scene { robot_radius: radius.unwrap_or(scene.robot_radius), ..scene.clone() }
 }
 
+/// Where the arena's lower left corner lies in the frame that a person gives and reads points in: the
+/// map's, or the arena's own.
+pub(crate) fn origin(scene: &Scene) -> Point {
+    scene.origin.unwrap_or(Point::new(0.0, 0.0))
+}
+
 /// Start and goal as asked for, or as the input has them.
 fn ends(scene: &Scene, args: &WayArgs) -> Result<(Pose, Goal), CliError> {
+    let corner = origin(scene);
+    let in_arena = |at: Point| Point::new(at.x - corner.x, at.y - corner.y);
     let asked = args.start.map(|place| Pose {
-        position: place.position,
+        position: in_arena(place.position),
         heading: place.heading.or(scene.start.map(|pose| pose.heading)).unwrap_or(0.0),
     });
     let query = scene.queries.first();
@@ -252,6 +261,7 @@ fn ends(scene: &Scene, args: &WayArgs) -> Result<(Pose, Goal), CliError> {
         asked.or(scene.start).or(query.map(|query| Pose { position: query.start, heading: 0.0 }));
     let goal = args
         .goal
+        .map(|goal| Goal { position: in_arena(goal.position), ..goal })
         .or(scene.goal)
         .or(query.map(|query| Goal { position: query.goal, heading: None }));
     let missing = |what: &str, option: &str| {

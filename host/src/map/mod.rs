@@ -1,15 +1,17 @@
 //! Grid maps of other people: Moving AI `.map` files and the maps of ROS `map_server`.
 //!
 //! A map is cells, blocked or free. It becomes a [`Scene`] whose obstacles are rectangles of blocked
-//! cells, in the arena frame: metres from the map's lower-left corner, y up. Text and bytes in, text
+//! cells, in the arena frame: metres from the map's lower-left corner, y up. The scene keeps where that
+//! corner lies in the map's own frame, so that its points are written in the map frame. Text and bytes in, text
 //! and bytes out; files are the caller's.
 
+mod brightness;
 mod movingai;
 mod ros;
 
-pub use ros::{RosMap, ros_image_name};
+pub use ros::{MapWarning, RosHead, RosMap};
 
-use crate::geometry::Rect;
+use crate::geometry::{Point, Rect};
 use crate::scene::{Scene, SceneFormat};
 
 /// Cells that are blocked or free.
@@ -23,9 +25,9 @@ pub struct CellMap {
     pub resolution: f64,
     /// Whether a cell is blocked, row by row from the top left.
     pub blocked: Vec<bool>,
-    /// The pose of the map's lower-left corner in the world that it was made in: x and y in metres,
-    /// heading in radians. Planning does not use it.
-    pub origin: [f64; 3],
+    /// Where the map's lower left corner lies in the frame of the map, metres; the arena frame begins in
+    /// that corner.
+    pub origin: [f64; 2],
 }
 
 /// Why a map cannot be read.
@@ -52,9 +54,22 @@ pub enum MapError {
         /// As found.
         found: usize,
     },
-    /// The picture of a ROS map is neither PGM nor one that can be decoded.
+    /// The picture of a ROS map cannot be decoded.
     #[error("the map's picture cannot be decoded: {0}; give a PGM or PNG file")]
     Picture(String),
+    /// The text of a ROS map is not YAML.
+    #[error("the text is not YAML: {0}")]
+    Yaml(String),
+    /// A cell's letter is not of the Moving AI format.
+    #[error(
+        "the map has a cell `{letter}` in row {row}; letters are . G S (free) and @ O T W (blocked), weights of the ground are not understood"
+    )]
+    Letter {
+        /// The letter.
+        letter: char,
+        /// Its row, from 1 at the top.
+        row: usize,
+    },
 }
 
 impl CellMap {
@@ -73,6 +88,8 @@ impl CellMap {
         let mut scene = Scene::new(size(self.columns), size(self.rows));
         scene.format = SceneFormat::Scene;
         scene.robot_radius = robot_radius;
+        let [x, y] = self.origin;
+        scene.origin = (self.origin != [0.0; 2]).then_some(Point::new(x, y));
         // Runs whose rectangle may still grow downwards: first and last column, first row.
         let mut open: Vec<(usize, usize, usize)> = Vec::new();
         let rect = |(first, last, top): (usize, usize, usize), bottom: usize| {
@@ -133,7 +150,8 @@ impl CellMap {
                 }
             }
         }
-        Self { columns, rows, resolution, blocked, origin: [0.0; 3] }
+        let origin = scene.origin.map_or([0.0; 2], |origin| [origin.x, origin.y]);
+        Self { columns, rows, resolution, blocked, origin }
     }
 }
 
@@ -153,7 +171,7 @@ mod tests {
                 (Just(columns), cells)
             }),
         ) {
-            let map = CellMap { columns, rows: 7, resolution: 0.05, blocked, origin: [0.0; 3] };
+            let map = CellMap { columns, rows: 7, resolution: 0.05, blocked, origin: [0.0; 2] };
             let scene = map.to_scene(0.0);
             prop_assert_eq!(&CellMap::from_scene(&scene, 0.05), &map);
             let area: f64 = scene.obstacles.iter().map(|r| (r.x1 - r.x0) * (r.y1 - r.y0)).sum();

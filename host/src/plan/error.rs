@@ -95,6 +95,26 @@ pub enum Blocker {
 }
 
 impl PlanError {
+    /// The same error with its points given in another frame, in which the arena's lower left corner
+    /// lies at `origin`, metres.
+    #[must_use]
+    pub fn seen_from(mut self, origin: Point) -> Self {
+        let moved = |at: &mut Point| *at = Point::new(at.x + origin.x, at.y + origin.y);
+        match &mut self {
+            Self::Outside { point, .. } => moved(point),
+            Self::Blocked { point, nearest, .. } => {
+                moved(point);
+                nearest.iter_mut().for_each(moved);
+            }
+            Self::Unsafe { from, to } => {
+                moved(from);
+                moved(to);
+            }
+            Self::Grid(_) | Self::NoPath { .. } | Self::RoundNeedsExact => {}
+        }
+        self
+    }
+
     /// A short name of the kind of error, for programs.
     ///
     /// ```
