@@ -5,9 +5,27 @@
 //!          metres    boxes    areas   points  poses   frames
 //! ```
 //! Every stage is a module, usable alone, that names only what stands to its left;
-//! [`picture`] draws what each stage saw; [`uf2`] packs the robot's firmware for flashing. The library performs no I/O beyond decoding bytes it is given.
+//! [`picture`] draws what each stage saw; [`uf2`] packs the robot's firmware for flashing.
 //!
-//! Frames and units: the arena frame has its origin at the floor's lower-left corner as the picture
+//! # I/O
+//!
+//! [`link::port`] opens serial ports and TCP connections, [`link::reopening`] opens them again, and the
+//! list of ports reads what Linux says of USB under `/sys`. Everything else is pure: bytes, values and
+//! the caller's time in, values out. Nothing here prints, reads a clock on its own account or exits.
+//!
+//! # Where is what
+//!
+//! | question | answer |
+//! |---|---|
+//! | Where is the floor's border chosen? | [`vision`], border |
+//! | Where are shadows modelled? | [`vision`], appearance: floor and shadow |
+//! | Where does a box get its margin? | [`vision`], boxes: the refinement of its sides; [`plan::with_margin_fallback`] adds the margin for driving |
+//! | Where is a leg's time made? | [`protocol::motion`], shared by host and robot; [`legs`] asks it |
+//! | Where does a lost frame come back? | [`protocol::session`], at both ends; [`link::LinkClient`] is the host's |
+//!
+//! # Frames and units
+//!
+//! The arena frame has its origin at the floor's lower-left corner as the picture
 //! shows it, x to the right, y up, headings counter-clockwise from +x in (-π, π]; lengths in metres.
 
 pub mod calibration;
@@ -22,3 +40,6 @@ pub mod plan_file;
 pub mod scene;
 pub mod uf2;
 pub mod vision;
+
+/// The wire format, whose motion types appear in this crate's signatures.
+pub use protocol;

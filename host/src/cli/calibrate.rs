@@ -6,7 +6,7 @@
 //! A person measures on a real robot; on the simulated one, whose true pose is known, nobody has to.
 
 use super::args::CalibrateBaseArgs;
-use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
+use super::endpoint::{self, Endpoint, Simulated, SimulatedRobot, SimulatedWorld};
 use super::error::{CliError, Exit};
 use super::mission::{self, interrupted_error};
 use super::output::Output;
@@ -20,6 +20,7 @@ use std::io;
 use wmr::calibration::{BaseLengths, Calibration, Course, Run, calibrate, seen_from};
 use wmr::geometry::Pose;
 use wmr::legs::from_wire;
+use wmr::link::drive::POLL_INTERVAL;
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
 use wmr::link::{LinkClient, LinkError};
 
@@ -78,7 +79,7 @@ fn open(args: &CalibrateBaseArgs) -> Result<Box<dyn Endpoint>, CliError> {
     if args.port == "sim" {
         let wrong = args.sim_errors.map(|percent| 1.0 + percent / 100.0);
         let base = BaseParameters::seeded(seed).with_wrong_lengths(wrong);
-        return Ok(Box::new(nowhere.with(InProcess::default(), base)));
+        return Ok(Box::new(Simulated(nowhere.with(InProcess::default(), base))));
     }
     endpoint::open(&args.port, nowhere, SimulatedRobot::Default)
 }
@@ -140,7 +141,7 @@ impl Floor {
             if let Some(end) = end {
                 return Ok(end);
             }
-            self.client.port_mut().wait(mission::POLL).map_err(LinkError::from)?;
+            self.client.port_mut().wait(POLL_INTERVAL).map_err(LinkError::from)?;
         }
     }
 

@@ -11,24 +11,16 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use wmr::geometry::Pose;
+use wmr::link::drive::TimedPort;
 use wmr::link::reopening::Reopening;
 use wmr::scene::Scene;
 
-/// A way to a robot, with the clock that goes with it.
-pub(crate) trait Endpoint: Read + Write {
-    /// Time since it was opened.
-    fn now(&self) -> Duration;
-    /// Lets some time pass.
-    fn wait(&mut self, duration: Duration) -> io::Result<()>;
+/// A port to a robot, real or simulated.
+pub(crate) trait Endpoint: TimedPort {
     /// What really happened, if anybody knows.
     fn truth(&self) -> Option<Truth>;
     /// A number that tells this connection from others.
     fn nonce(&self) -> u32;
-
-    /// Whether the port is there; if it is not, it may come back.
-    fn is_open(&self) -> bool {
-        true
-    }
 
     /// Whether the robot is still there when this program has ended.
     fn outlives_the_program(&self) -> bool {
@@ -36,17 +28,39 @@ pub(crate) trait Endpoint: Read + Write {
     }
 }
 
-impl<B: Firmware> Endpoint for Simulation<B> {
+/// A simulated robot on its own time.
+#[derive(Debug)]
+pub(crate) struct Simulated<B: Firmware>(pub(crate) Simulation<B>);
+
+impl<B: Firmware> Read for Simulated<B> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl<B: Firmware> Write for Simulated<B> {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.0.write(buffer)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl<B: Firmware> TimedPort for Simulated<B> {
     fn now(&self) -> Duration {
-        Simulation::now(self)
+        self.0.now()
     }
 
     fn wait(&mut self, duration: Duration) -> io::Result<()> {
-        Simulation::wait(self, duration)
+        self.0.wait(duration)
     }
+}
 
+impl<B: Firmware> Endpoint for Simulated<B> {
     fn truth(&self) -> Option<Truth> {
-        Some(Simulation::truth(self))
+        Some(self.0.truth())
     }
 
     /// Always the same, so that a simulated run is the same every time.
@@ -78,7 +92,7 @@ impl Write for RealPort {
     }
 }
 
-impl Endpoint for RealPort {
+impl TimedPort for RealPort {
     fn now(&self) -> Duration {
         self.opened.elapsed()
     }
@@ -88,6 +102,12 @@ impl Endpoint for RealPort {
         Ok(())
     }
 
+    fn is_open(&self) -> bool {
+        self.wire.is_open()
+    }
+}
+
+impl Endpoint for RealPort {
     fn truth(&self) -> Option<Truth> {
         None
     }
@@ -96,10 +116,6 @@ impl Endpoint for RealPort {
         // The system's random seed of hash maps: differs from process to process, without a crate for it.
         use std::hash::{BuildHasher, RandomState};
         RandomState::new().hash_one(0) as u32
-    }
-
-    fn is_open(&self) -> bool {
-        self.wire.is_open()
     }
 
     fn outlives_the_program(&self) -> bool {
@@ -161,11 +177,11 @@ pub(crate) fn open(
     robot: SimulatedRobot,
 ) -> Result<Box<dyn Endpoint>, CliError> {
     if name == "sim" {
-        return Ok(Box::new(simulated.robot(robot)));
+        return Ok(Box::new(Simulated(simulated.robot(robot))));
     }
     if let Some(elf) = name.strip_prefix("elf:") {
         let base = BaseParameters::seeded(simulated.seed);
-        return Ok(Box::new(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base)));
+        return Ok(Box::new(Simulated(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base))));
     }
     let wire = Reopening::open(name)?;
     Ok(Box::new(RealPort { wire, opened: Instant::now() }))

@@ -156,11 +156,11 @@ impl From<LinkError> for CliError {
             LinkError::Port(_) | LinkError::Lost(_) => {
                 ("link.lost", "check the cable, then drive again")
             }
-            LinkError::Silent(_) => (
+            LinkError::NoResponse(_) => (
                 "link.silent",
                 "is it the right port, and does a robot with wmr firmware listen there?",
             ),
-            LinkError::Deaf(_) => (
+            LinkError::NoAck(_) => (
                 "link.deaf",
                 "check the wire from this computer to the robot (its RX pin), then drive again",
             ),

@@ -8,18 +8,10 @@ use super::run::{Driven, Run, RunClock, count_of_legs};
 use protocol::message::{RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 use wmr::geometry::Pose;
-use wmr::link::mission::{Mission, MissionError, MissionEvent};
-use wmr::link::{LinkClient, PATIENCE};
-
-/// How often the link is looked at.
-pub(crate) const POLL: Duration = Duration::from_millis(2);
-/// After Ctrl-C the robot is given this long to come to rest.
-const STOP_PATIENCE: Duration = Duration::from_secs(3);
-
-/// A cable that came loose may be out for so long.
-const CABLE_PATIENCE: Duration = Duration::from_secs(30);
+use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, wait_for};
+use wmr::link::mission::{Mission, MissionEvent};
+use wmr::link::{self, LinkClient, LinkError};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -69,7 +61,7 @@ pub(crate) fn drive(
         if resume == Resume::Never { Memory::none() } else { Memory::of(&mut client, &legs) };
     let mut mission = if resume == Resume::Wanted {
         client.check_protocol()?;
-        hear(&mut client)?;
+        wait_for_pose(&mut client)?;
         let (mission, first) = memory.take_up(&client, legs, output)?;
         run.first = first;
         mission
@@ -98,7 +90,7 @@ pub(crate) fn drive(
     Ok(Driven { run, error })
 }
 
-/// Steps the mission to its end.
+/// Drives the mission to its end, and records how.
 fn follow(
     client: &mut LinkClient<Box<dyn Endpoint>>,
     mission: &mut Mission,
@@ -108,111 +100,67 @@ fn follow(
 ) -> Result<(), CliError> {
     let progress = output.progress(run.legs.len() as u64);
     progress.set_position(run.first.into());
-    let (mut clock, mut cable) = (RunClock::default(), Cable::default());
-    let mut stop_by = None;
-    loop {
-        let now = client.port_mut().now();
-        if interrupted() {
-            client.stop();
-            if now > *stop_by.get_or_insert(now + STOP_PATIENCE) {
-                return Err(interrupted_error(
-                    "the robot did not say that it rests; it stops by itself after 0.3 s of silence",
-                ));
+    let mut clock = RunClock::default();
+    link::drive::drive(client, mission, interrupted, |event, mission| {
+        match event {
+        DriveEvent::PortLost => output.say(&format!(
+            "the port is gone, so the robot stops and waits; plug it in again within {} s and it goes on",
+            REPLUG_TIMEOUT.as_secs()
+        )),
+        DriveEvent::PortBack => output.say("the port is back"),
+        DriveEvent::Mission(event) => {
+            if matches!(event, MissionEvent::LegDone(_)) {
+                progress.inc(1);
             }
+            if matches!(event, MissionEvent::LegDone(_) | MissionEvent::Accepted { .. }) {
+                memory.note(mission.progress(), output);
+            }
+            run.record(event, &mut clock);
         }
-        let is_open = client.port_mut().is_open();
-        client.set_patience(cable.patience(is_open, now, output));
-        let events = mission.step(client, now).map_err(|error| match error {
-            MissionError::Stopped if interrupted() => {
-                interrupted_error("the robot has stopped and rests")
-            }
-            error => error.into(),
-        })?;
-        for event in events {
-            match event {
-                MissionEvent::LegDone(_) => {
-                    progress.inc(1);
-                    memory.note(mission.progress(), output);
-                }
-                MissionEvent::Accepted { .. } => memory.note(mission.progress(), output),
-                MissionEvent::Telemetry(_) => cable.heard(),
-                MissionEvent::Connected(_) | MissionEvent::Done(_) => {}
-            }
-            if run.note(event, &mut clock) {
-                progress.finish_and_clear();
-                return Ok(());
-            }
-        }
-        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
     }
-}
-
-/// A cable that may come loose on the way.
-#[derive(Debug, Default)]
-struct Cable {
-    loose_since: Option<Duration>,
-    loose_for: Duration,
-}
-
-impl Cable {
-    /// How long the robot may be silent: longer by the time that the port has not been there.
-    fn patience(&mut self, is_open: bool, now: Duration, output: Output) -> Duration {
-        match (is_open, self.loose_since) {
-            (false, None) => {
-                self.loose_since = Some(now);
-                output.say(&format!(
-                    "the port is gone, so the robot stops and waits; plug it in again within {} s and it goes on",
-                    CABLE_PATIENCE.as_secs()
-                ));
-            }
-            (true, Some(_)) => {
-                self.loose_since = None;
-                output.say("the port is back");
-            }
-            _ => {}
-        }
-        if let Some(since) = self.loose_since {
-            self.loose_for = now.saturating_sub(since).min(CABLE_PATIENCE);
-        }
-        PATIENCE + self.loose_for
-    }
-
-    /// The robot is heard.
-    fn heard(&mut self) {
-        self.loose_for = Duration::ZERO;
-    }
+    })?;
+    progress.finish_and_clear();
+    Ok(())
 }
 
 /// Polls until the robot has said where it is; if it rolls on after a restart, where it comes to rest.
-fn hear(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliError> {
+fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliError> {
     let rolls = |telemetry: &Telemetry| {
         telemetry.state == State::Idle && telemetry.wheels != WheelSpeeds::default()
     };
-    while client.telemetry().is_none_or(rolls) {
-        let now = client.port_mut().now();
-        client.poll(now)?;
-        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
-    }
+    wait_for(
+        client,
+        || false,
+        |client, now| {
+            client.poll(now)?;
+            Ok::<_, LinkError>(client.telemetry().filter(|telemetry| !rolls(telemetry)).copied())
+        },
+    )?;
     Ok(())
 }
 
 /// Says hello until the robot answers; who it is.
 pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<RobotHello, CliError> {
-    loop {
-        let now = client.port_mut().now();
+    let robot = wait_for(client, interrupted, |client, now| {
         client.poll(now)?;
-        if let Some(robot) = client.robot() {
-            return Ok(*robot);
-        }
-        if interrupted() {
-            return Err(interrupted_error("nothing has moved"));
-        }
-        client.port_mut().wait(POLL).map_err(wmr::link::LinkError::from)?;
-    }
+        Ok::<_, LinkError>(client.robot().copied())
+    })?;
+    robot.ok_or_else(|| interrupted_error("nothing has moved"))
 }
 
 pub(crate) fn interrupted_error(message: &str) -> CliError {
     CliError::new(Exit::Interrupted, "interrupted", message, "drive again when ready")
+}
+
+impl From<DriveError> for CliError {
+    fn from(error: DriveError) -> Self {
+        match error {
+            DriveError::Mission(error) => error.into(),
+            DriveError::Stopped | DriveError::StopUnconfirmed => {
+                interrupted_error(&error.to_string())
+            }
+        }
+    }
 }
 
 /// A pose, for people.

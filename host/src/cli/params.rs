@@ -8,8 +8,9 @@ use super::{mission, ports, quantity};
 use protocol::parameters::{FIELDS, Parameters};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use wmr::link::LinkClient;
+use wmr::link::drive::wait_for;
 use wmr::link::parameters::{Answer, Exchange, Request};
-use wmr::link::{LinkClient, LinkError};
 
 /// A number to change: its place in [`FIELDS`], and what it becomes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,16 +103,8 @@ fn parameters_of(answer: Answer) -> Result<Parameters, CliError> {
 
 fn ask(client: &mut LinkClient<Box<dyn Endpoint>>, request: Request) -> Result<Answer, CliError> {
     let mut exchange = Exchange::new(request);
-    loop {
-        let now = client.port_mut().now();
-        if let Some(answer) = exchange.step(client, now)? {
-            return Ok(answer);
-        }
-        if mission::interrupted() {
-            return Err(mission::interrupted_error("nothing has moved"));
-        }
-        client.port_mut().wait(mission::POLL).map_err(LinkError::from)?;
-    }
+    let answer = wait_for(client, mission::interrupted, |client, now| exchange.step(client, now))?;
+    answer.ok_or_else(|| mission::interrupted_error("nothing has moved"))
 }
 
 /// The numbers of a file that `wmr params --json` wrote, and their calibration.

@@ -21,14 +21,11 @@ use serde::{Deserialize, Serialize};
 use std::env;
 use std::fs;
 use std::path::PathBuf;
-use wmr::geometry::{Point, Pose};
+use wmr::geometry::Pose;
 use wmr::legs::from_wire;
 use wmr::link::LinkClient;
 use wmr::link::mission::{Mission, Progress};
-
-/// The rest of a leg may begin this far beside it: what plans for driving keep free beyond the
-/// robot's radius, metres.
-const BESIDE: f64 = 0.010;
+use wmr::link::resume::{ResumeError, after_restart, check_beside_leg};
 
 /// What is written down of a mission.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -139,8 +136,9 @@ impl Memory {
         })?;
         let restarted = note.boot != self.boot;
         let here = from_wire(here);
-        let pose = if restarted { rolled_on(note.pose, here)? } else { here };
-        check_place(&legs, note.next, pose)?;
+        let pose =
+            if restarted { after_restart(note.pose, here).map_err(elsewhere)? } else { here };
+        check_beside_leg(&legs, note.next, pose).map_err(elsewhere)?;
         let how = if restarted {
             format!(
                 "the robot has restarted and lost its place; from where it was last heard and how it rolled on, it is taken to stand at {}",
@@ -183,54 +181,13 @@ impl Memory {
     }
 }
 
-/// A robot that coasts after a restart comes no further than this, metres: V²/2A and as much again.
-const FARTHEST_ROLL: f64 = 0.2;
-
-/// Where a robot stands that was at `last` and has moved by `since` in its own frame.
-fn rolled_on(last: Pose, since: Pose) -> Result<Pose, CliError> {
-    let Point { x, y } = since.position;
-    let (sin, cos) = last.heading.sin_cos();
-    if x.hypot(y) > FARTHEST_ROLL {
-        return Err(cannot(
-            "resume.elsewhere",
-            format!("the robot has moved {:.0} mm since it restarted", x.hypot(y) * 1000.0),
-            "plan anew from where it stands, with --start x,y,heading",
-        ));
-    }
-    Ok(Pose::new(
-        last.position.x + cos * x - sin * y,
-        last.position.y + sin * x + cos * y,
-        last.heading + since.heading,
-    ))
-}
-
-/// An error if the rest of leg `next` would not begin beside it.
-fn check_place(legs: &[Leg], next: u16, pose: Pose) -> Result<(), CliError> {
-    let Some(leg) = legs.get(usize::from(next)) else { return Ok(()) };
-    let start = from_wire(leg.start).position;
-    let goal = Point::new(leg.goal.x.0.into(), leg.goal.y.0.into());
-    let beside = distance_to_segment(pose.position, start, goal);
-    if beside <= BESIDE {
-        return Ok(());
-    }
-    Err(cannot(
-        "resume.elsewhere",
-        format!(
-            "the robot stands at {}, {:.0} mm beside leg {} of the plan",
-            place(pose),
-            beside * 1000.0,
-            next + 1
-        ),
-        "plan anew from there with --start x,y,heading",
-    ))
-}
-
-fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let along = ((point.x - a.x) * dx + (point.y - a.y) * dy) / (dx * dx + dy * dy);
-    // A segment of no length is a point.
-    let along = if along.is_finite() { along.clamp(0.0, 1.0) } else { 0.0 };
-    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
+/// The robot does not stand where the rest of the plan begins.
+fn elsewhere(error: ResumeError) -> CliError {
+    let help = match error {
+        ResumeError::Moved { .. } => "plan again from where it stands, with --start x,y,heading",
+        ResumeError::Beside { .. } => "plan again from there with --start x,y,heading",
+    };
+    cannot("resume.elsewhere", error, help)
 }
 
 fn cannot(code: &str, message: impl std::fmt::Display, help: &str) -> CliError {
@@ -273,25 +230,5 @@ mod tests {
         assert_eq!(quoted("my plan.json"), "'my plan.json'");
         assert_eq!(quoted("it's"), r"'it'\''s'");
         assert_eq!(quoted(""), "''");
-    }
-
-    #[test]
-    fn a_robot_rolls_on_ahead_of_itself() {
-        let last = Pose::new(1.0, 2.0, std::f64::consts::FRAC_PI_2);
-        let pose = rolled_on(last, Pose::new(0.1, 0.0, 0.25)).unwrap();
-        assert!(pose.position.distance(Point::new(1.0, 2.1)) < 1e-12, "{pose:?}");
-        assert_eq!(pose.heading, last.heading + 0.25);
-        assert!(rolled_on(last, Pose::new(0.0, 0.3, 0.0)).is_err());
-    }
-
-    #[test]
-    fn the_rest_of_a_leg_begins_beside_it() {
-        let (a, b) = (Point::new(0.0, 0.0), Point::new(3.0, 4.0));
-        let distance = |x, y| distance_to_segment(Point::new(x, y), a, b);
-        assert_eq!(distance(1.5, 2.0), 0.0);
-        assert!((distance(-0.8, 0.6) - 1.0).abs() < 1e-12, "before its start");
-        assert!((distance(3.0 + 0.6, 4.0 + 0.8) - 1.0).abs() < 1e-12, "behind its end");
-        assert!((distance(1.5 - 0.08, 2.0 + 0.06) - 0.1).abs() < 1e-12, "beside it");
-        assert_eq!(distance_to_segment(b, a, a), 5.0);
     }
 }

@@ -78,22 +78,18 @@ impl Run {
         self.legs.get(usize::from(self.first)..).unwrap_or_default()
     }
 
-    /// Notes an event; true if it is the last.
-    pub(super) fn note(&mut self, event: MissionEvent, clock: &mut RunClock) -> bool {
+    /// Records an event.
+    pub(super) fn record(&mut self, event: MissionEvent, clock: &mut RunClock) {
         match event {
             MissionEvent::Telemetry(telemetry) if telemetry.state != State::Idle => {
                 self.samples.push(Sample { time: clock.seconds(telemetry.ticks), telemetry });
             }
             MissionEvent::LegDone(result) => self.results.push(result),
-            MissionEvent::Done(pose) => {
-                self.end = from_wire(pose);
-                return true;
-            }
+            MissionEvent::Done(pose) => self.end = from_wire(pose),
             MissionEvent::Connected(_)
             | MissionEvent::Accepted { .. }
             | MissionEvent::Telemetry(_) => {}
         }
-        false
     }
 
     /// How long the legs took, seconds of the robot's clock.

@@ -6,11 +6,13 @@ use super::input::Input;
 use super::output::Output;
 use protocol::motion::{Limits, Timing};
 use protocol::units::Seconds;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use wmr::geometry::{Point, Pose};
 use wmr::grid::Margin;
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
-use wmr::plan::{Cost, Plan, PlanError, PlanOptions, Planner, PreparedArena};
+use wmr::plan::{
+    Cost, DRIVE_MARGINS, MarginPlan, Plan, PlanOptions, Planner, with_margin_fallback,
+};
 use wmr::plan_file::{PlanFile, PlanTiming};
 use wmr::scene::{Goal, Scene};
 
@@ -23,10 +25,6 @@ pub(crate) struct PlannedWay {
     /// What it was planned with.
     pub(crate) options: PlanOptions,
 }
-
-/// The margins that are tried where none is asked for, metres: what a real robot needs to be safe
-/// from the errors of camera and wheels, then less where the way would not exist.
-const DRIVE_MARGINS: [f64; 4] = [0.010, 0.005, 0.002, 0.0];
 
 /// Which margins may be used beyond the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,8 +110,14 @@ fn plan_way(
         cost: cost(args.cost),
         corners: args.corners,
     };
-    let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)
+    let began = Instant::now();
+    let MarginPlan { plan, margin, preparing, searching } =
+        with_margin_fallback(&scene, start.position, goal.position, tried, &options(0.0), || {
+            began.elapsed()
+        })
         .map_err(|error| error.seen_from(origin(&scene)))?;
+    let microseconds = |time: Duration| time.as_secs_f64() * 1e6;
+    let timing = PlanTiming { build: microseconds(preparing), query: microseconds(searching) };
     if tried.first() != Some(&margin) {
         output.say(&format!(
             "there is no room for a margin of 10 mm; keeping {:.0} mm",
@@ -172,46 +176,6 @@ fn leg_options(args: &WayArgs) -> LegOptions {
             LegOptions { timing: paper_timing(Seconds(args.leg_time as f32)), reverse: false }
         }
     }
-}
-
-/// The way with the first of `margins` that leaves one, that margin, and how long planning took.
-fn first_way(
-    scene: &Scene,
-    start: Pose,
-    goal: Goal,
-    margins: &[f64],
-    options: impl Fn(f64) -> PlanOptions,
-) -> Result<(Plan, f64, PlanTiming), PlanError> {
-    let mut last = PlanError::NoPath { gap: None };
-    let mut led_away = None;
-    for &margin in margins {
-        let options = options(margin);
-        let began = Instant::now();
-        let mut arena = match PreparedArena::new(scene, &options) {
-            Ok(arena) => arena,
-            // An arena without room for robot and margin may have room for the robot alone.
-            Err(error) => {
-                last = error;
-                continue;
-            }
-        };
-        let build = microseconds(began);
-        let began = Instant::now();
-        match arena.plan(start.position, goal.position) {
-            // A robot that would have to be led away for the margin alone may do with less; one that
-            // must be led away in any case keeps the first margin behind that.
-            Ok(plan) => {
-                let timing = PlanTiming { build, query: microseconds(began) };
-                if plan.exit_leg.is_none() {
-                    return Ok((plan, margin, timing));
-                }
-                led_away.get_or_insert((plan, margin, timing));
-            }
-            Err(error @ (PlanError::NoPath { .. } | PlanError::Blocked { .. })) => last = error,
-            Err(error) => return Err(error),
-        }
-    }
-    led_away.ok_or(last)
 }
 
 /// The time since then, microseconds.

@@ -13,7 +13,7 @@ pub enum LinkError {
     Port(#[from] io::Error),
     /// Nothing answered hello.
     #[error("no robot answered within {0:?}")]
-    Silent(Duration),
+    NoResponse(Duration),
     /// Something answered, but not in this protocol.
     #[error("{bytes} bytes arrived within {within:?}, but no frame of a robot of ours")]
     NotARobot {
@@ -27,7 +27,7 @@ pub enum LinkError {
     Lost(Duration),
     /// The robot is heard, but does not hear.
     #[error("the robot is heard, but took no notice of this program for {0:?}")]
-    Deaf(Duration),
+    NoAck(Duration),
     /// The robot speaks another version of the protocol, so it may report and stop, but not drive.
     #[error(
         "the robot's firmware {} speaks protocol {} ({:016x}), this program {} ({:016x}); it does not drive",

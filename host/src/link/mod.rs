@@ -7,11 +7,13 @@
 //! [`LinkClient::poll`] with the time as an argument, so they run alike on a wire and in a simulation.
 
 pub mod clock;
+pub mod drive;
 mod error;
 pub mod mission;
 pub mod parameters;
 pub mod port;
 pub mod reopening;
+pub mod resume;
 mod stop;
 mod usb;
 
@@ -29,16 +31,16 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
 use stop::{Manner, StopRequest};
 
-/// A robot that does not answer hello for this long is none.
+/// After this long without an answer to hello, the port is taken to have no robot.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(2);
 /// Hello is said again after this long, milliseconds.
 const HELLO_INTERVAL: u32 = 50;
-/// A link on which nothing arrives for this long is lost, unless the client is told to wait longer;
-/// the robot has long stopped by itself.
-pub const PATIENCE: Duration = Duration::from_secs(3);
+/// A link on which nothing arrives for this long is lost, unless the client is set to wait longer;
+/// by then the robot has stopped by itself.
+pub const RECEIVE_TIMEOUT: Duration = Duration::from_secs(3);
 /// A robot that is heard, but does not hear, is given this much longer: on a bad wire a message may
 /// have to be sent many times.
-const DEAF_EXTRA: Duration = Duration::from_secs(1);
+const ACK_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A computer that was busy or asleep for longer than this between two polls was away: what is beyond
 /// says nothing about the robot, whose words may still be on their way, so no timer counts it.
@@ -49,7 +51,7 @@ const LONGEST_GAP: Duration = Duration::from_millis(100);
 pub struct LinkStatistics {
     /// Frames sent and received whole.
     pub frames: u32,
-    /// Messages of the reliable lane that this end sent again.
+    /// Messages of the reliable channel that this end sent again.
     pub retransmitted: u32,
     /// Frames that arrived damaged.
     pub lost: u32,
@@ -84,7 +86,7 @@ impl<P: Read + Write> LinkClient<P> {
         Self {
             port,
             hello: HostHello { version: PROTOCOL_VERSION, schema: SCHEMA_HASH, nonce },
-            patience: PATIENCE,
+            patience: RECEIVE_TIMEOUT,
             decoder: Decoder::default(),
             robot: None,
             session: Session::new(0, Milliseconds(0)),
@@ -165,7 +167,7 @@ impl<P: Read + Write> LinkClient<P> {
         }
     }
 
-    /// Puts a command on the reliable lane; false if the window is full for now, or the robot would
+    /// Puts a command on the reliable channel; false if the window is full for now, or the robot would
     /// take it for another.
     pub fn send(&mut self, command: Command) -> bool {
         let understood = self.check_protocol().is_ok() || matches!(command, Command::Reboot(_));
@@ -185,7 +187,7 @@ impl<P: Read + Write> LinkClient<P> {
         }
     }
 
-    /// How many commands of the reliable lane are not yet acknowledged.
+    /// How many commands of the reliable channel are not yet acknowledged.
     pub fn unacknowledged(&self) -> usize {
         WINDOW - self.session.room()
     }
@@ -231,17 +233,17 @@ impl<P: Read + Write> LinkClient<P> {
         match &self.robot {
             None if clock.since(started) > HELLO_TIMEOUT.as_millis() as u32 => {
                 return Err(match (self.bytes, self.received) {
-                    (0, _) => LinkError::Silent(HELLO_TIMEOUT),
+                    (0, _) => LinkError::NoResponse(HELLO_TIMEOUT),
                     (bytes, 0) => LinkError::NotARobot { bytes, within: HELLO_TIMEOUT },
-                    _ => LinkError::Deaf(HELLO_TIMEOUT),
+                    _ => LinkError::NoAck(HELLO_TIMEOUT),
                 });
             }
             None => self.say_hello(clock)?,
             Some(_) if self.session.silence(clock) > self.patience.as_millis() as u32 => {
                 return Err(LinkError::Lost(self.patience));
             }
-            Some(_) if self.unheard(clock) > self.patience + DEAF_EXTRA => {
-                return Err(LinkError::Deaf(self.patience + DEAF_EXTRA));
+            Some(_) if self.unheard(clock) > self.patience + ACK_TIMEOUT => {
+                return Err(LinkError::NoAck(self.patience + ACK_TIMEOUT));
             }
             Some(_) => self.transmit(clock)?,
         }

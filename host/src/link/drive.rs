@@ -1,0 +1,292 @@
+//! The drive loop: a mission stepped to its end on a port with a clock.
+//!
+//! [`Mission`] says what to send, [`LinkClient`] sends it, and [`drive`] steps both until the robot has
+//! arrived: it passes on a stop that is asked for, and waits longer for a robot whose port is gone.
+//! [`wait_for`] is the same loop for anything else that a robot answers. Time is the port's own, so a
+//! simulated port runs as fast as it can. Seconds as [`Duration`]s.
+
+use super::mission::{Mission, MissionEvent};
+use super::{LinkClient, LinkError, MissionError, RECEIVE_TIMEOUT};
+use protocol::motion::Pose;
+use std::io::{self, Read, Write};
+use std::time::Duration;
+
+/// Time between two steps of a loop.
+pub const POLL_INTERVAL: Duration = Duration::from_millis(2);
+/// After a stop is asked for, the robot is given this long to come to rest.
+pub const STOP_TIMEOUT: Duration = Duration::from_secs(3);
+/// A port that is gone is waited for this long.
+pub const REPLUG_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// A port with the clock that goes with it.
+pub trait TimedPort: Read + Write {
+    /// Time since it was opened.
+    fn now(&self) -> Duration;
+
+    /// Lets some time pass.
+    ///
+    /// # Errors
+    /// Those of the port.
+    fn wait(&mut self, duration: Duration) -> io::Result<()>;
+
+    /// Whether the port is there; if it is not, it may come back.
+    fn is_open(&self) -> bool {
+        true
+    }
+}
+
+impl<P: TimedPort + ?Sized> TimedPort for Box<P> {
+    fn now(&self) -> Duration {
+        (**self).now()
+    }
+
+    fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        (**self).wait(duration)
+    }
+
+    fn is_open(&self) -> bool {
+        (**self).is_open()
+    }
+}
+
+/// What happens on a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveEvent {
+    /// The mission has come further.
+    Mission(MissionEvent),
+    /// The port is gone; the robot stops by itself, and goes on if the port is back in time.
+    PortLost,
+    /// The port is back.
+    PortBack,
+}
+
+/// Why a drive ended before the goal.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// The mission has failed.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
+    /// A stop was asked for, and the robot rests.
+    #[error("the robot has stopped and rests")]
+    Stopped,
+    /// A stop was asked for, and the robot did not confirm it within [`STOP_TIMEOUT`].
+    #[error("the robot did not say that it rests; it stops by itself after 0.3 s of silence")]
+    StopUnconfirmed,
+}
+
+/// Steps `mission` to its end; where the robot then believes it stands. `stop_asked` is read at each
+/// step; `on_event` also gets the mission as it was after the step that brought the event.
+///
+/// # Errors
+/// [`DriveError`]; [`Mission::progress`] says how far it came.
+pub fn drive<P: TimedPort>(
+    client: &mut LinkClient<P>,
+    mission: &mut Mission,
+    stop_asked: impl Fn() -> bool,
+    mut on_event: impl FnMut(DriveEvent, &Mission),
+) -> Result<Pose, DriveError> {
+    let mut replug = Replug::default();
+    let mut stop_by = None;
+    loop {
+        let now = client.port_mut().now();
+        if stop_asked() {
+            client.stop();
+            if now > *stop_by.get_or_insert(now + STOP_TIMEOUT) {
+                return Err(DriveError::StopUnconfirmed);
+            }
+        }
+        if let Some(event) = replug.on_port(client.port_mut().is_open(), now) {
+            on_event(event, mission);
+        }
+        client.set_patience(RECEIVE_TIMEOUT + replug.lost_for);
+        let events = mission.step(client, now).map_err(|error| match error {
+            MissionError::Stopped if stop_asked() => DriveError::Stopped,
+            error => error.into(),
+        })?;
+        for event in events {
+            if matches!(event, MissionEvent::Telemetry(_)) {
+                replug.lost_for = Duration::ZERO;
+            }
+            on_event(DriveEvent::Mission(event), mission);
+            if let MissionEvent::Done(pose) = event {
+                return Ok(pose);
+            }
+        }
+        client
+            .port_mut()
+            .wait(POLL_INTERVAL)
+            .map_err(|error| MissionError::from(LinkError::from(error)))?;
+    }
+}
+
+/// Steps until `step` has a result; `None` if `cancelled` says so first. `step` gets the port's time.
+///
+/// # Errors
+/// Those of `step` and of the port.
+pub fn wait_for<P: TimedPort, T, E: From<LinkError>>(
+    client: &mut LinkClient<P>,
+    cancelled: impl Fn() -> bool,
+    mut step: impl FnMut(&mut LinkClient<P>, Duration) -> Result<Option<T>, E>,
+) -> Result<Option<T>, E> {
+    loop {
+        let now = client.port_mut().now();
+        if let Some(result) = step(client, now)? {
+            return Ok(Some(result));
+        }
+        if cancelled() {
+            return Ok(None);
+        }
+        client.port_mut().wait(POLL_INTERVAL).map_err(LinkError::from)?;
+    }
+}
+
+/// How long a port has been gone.
+#[derive(Debug, Default)]
+struct Replug {
+    lost_since: Option<Duration>,
+    /// Added to the receive timeout until the robot is received again.
+    lost_for: Duration,
+}
+
+impl Replug {
+    fn on_port(&mut self, is_open: bool, now: Duration) -> Option<DriveEvent> {
+        let event = match (is_open, self.lost_since) {
+            (false, None) => {
+                self.lost_since = Some(now);
+                Some(DriveEvent::PortLost)
+            }
+            (true, Some(_)) => {
+                self.lost_since = None;
+                Some(DriveEvent::PortBack)
+            }
+            _ => None,
+        };
+        if let Some(since) = self.lost_since {
+            self.lost_for = now.saturating_sub(since).min(REPLUG_TIMEOUT);
+        }
+        event
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_port_is_waited_for_as_long_as_it_is_gone() {
+        let mut replug = Replug::default();
+        let at = Duration::from_secs;
+        assert_eq!(replug.on_port(true, at(1)), None);
+        assert_eq!(replug.on_port(false, at(2)), Some(DriveEvent::PortLost));
+        assert_eq!(replug.on_port(false, at(7)), None);
+        assert_eq!(replug.lost_for, at(5));
+        assert_eq!(replug.on_port(true, at(8)), Some(DriveEvent::PortBack));
+        assert_eq!(replug.lost_for, at(5), "until the robot is received again");
+        replug.on_port(false, at(10));
+        replug.on_port(false, at(100));
+        assert_eq!(replug.lost_for, REPLUG_TIMEOUT);
+    }
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod on_a_simulated_robot {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
+    use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+    use hil_sim::in_process::InProcess;
+    use hil_sim::simulation::Simulation;
+    use std::cell::Cell;
+
+    struct Simulated(Simulation<InProcess>);
+
+    impl Read for Simulated {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            self.0.read(buffer)
+        }
+    }
+
+    impl Write for Simulated {
+        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+            self.0.write(buffer)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            self.0.flush()
+        }
+    }
+
+    impl TimedPort for Simulated {
+        fn now(&self) -> Duration {
+            self.0.now()
+        }
+
+        fn wait(&mut self, duration: Duration) -> io::Result<()> {
+            self.0.wait(duration)
+        }
+    }
+
+    fn client() -> LinkClient<Simulated> {
+        let start = TruePose { x: 0.2, y: 0.5, heading: 0.0 };
+        let base = WheeledBase::new(BaseParameters::seeded(1), start);
+        LinkClient::new(Simulated(Simulation::new(InProcess::default(), base, None)), 1)
+    }
+
+    /// A path of 0.6 m in one leg.
+    fn mission() -> Mission {
+        let path = [Point::new(0.2, 0.5), Point::new(0.8, 0.5)];
+        let options = LegOptions { timing: protocol::motion::Timing::Limits, reverse: false };
+        Mission::new(to_legs(&path, 0.0, None, &options, &DEFAULT_LIMITS), Pose::new(0.2, 0.5, 0.0))
+    }
+
+    /// Within 10 mm of the goal by the robot's own word: what a drive is allowed to miss.
+    #[test]
+    fn a_mission_is_driven_to_its_goal() {
+        let (mut client, mut mission, mut done) = (client(), mission(), 0);
+        let pose = drive(
+            &mut client,
+            &mut mission,
+            || false,
+            |event, _| {
+                done += u32::from(matches!(event, DriveEvent::Mission(MissionEvent::LegDone(_))));
+            },
+        )
+        .unwrap();
+        assert_eq!(done, 1);
+        assert!((pose.x.0 - 0.8).abs() < 0.01 && (pose.y.0 - 0.5).abs() < 0.01, "{pose:?}");
+    }
+
+    #[test]
+    fn a_stop_ends_it_on_the_way() {
+        let (mut client, mut mission) = (client(), mission());
+        let stop = Cell::new(false);
+        let result = drive(
+            &mut client,
+            &mut mission,
+            || stop.get(),
+            |_, mission| {
+                stop.set(mission.progress().pose.x.0 > 0.4);
+            },
+        );
+        assert!(matches!(result, Err(DriveError::Stopped)), "{result:?}");
+        let reached = mission.progress().pose.x.0;
+        assert!((0.4..0.7).contains(&reached), "{reached}");
+        assert_eq!(mission.progress().next, 0);
+    }
+
+    #[test]
+    fn waiting_ends_when_cancelled() {
+        let mut client = client();
+        let robot = wait_for(
+            &mut client,
+            || false,
+            |client, now| {
+                client.poll(now)?;
+                Ok::<_, LinkError>(client.robot().copied())
+            },
+        );
+        assert!(robot.unwrap().is_some());
+        let never = |_: &mut LinkClient<Simulated>, _| Ok::<Option<()>, LinkError>(None);
+        assert_eq!(wait_for(&mut client, || true, never).unwrap(), None);
+    }
+}
