@@ -110,7 +110,7 @@ fn plan_way(
         planner,
         margin: Margin { uniform, per_obstacle: margins.to_vec() },
         cost: cost(args.cost),
-        corners: args.corners,
+        inflation: args.inflation.into(),
     };
     let (plan, margin, timing) = first_way(&scene, start, goal, tried, options)?;
     if tried.first() != Some(&margin) {
