@@ -1,7 +1,7 @@
 //! Plans a way among boxes made in code: `cargo run -p wmr --example plan_boxes`.
 
 use wmr::geometry::{Point, Rect};
-use wmr::plan::{Corners, PlanError, PlanOptions, plan};
+use wmr::plan::{Inflation, PlanError, PlanOptions, plan};
 use wmr::scene::Scene;
 
 fn main() -> Result<(), PlanError> {
@@ -11,11 +11,11 @@ fn main() -> Result<(), PlanError> {
     room.obstacles.push(Rect::new(1.0, 0.0, 1.4, 1.9));
     room.obstacles.push(Rect::new(2.4, 1.0, 2.8, 3.0));
     let (start, goal) = (Point::new(0.4, 0.5), Point::new(3.6, 2.5));
-    for corners in [Corners::Square, Corners::Round] {
-        let options = PlanOptions { corners, ..PlanOptions::default() };
+    for inflation in [Inflation::Square, Inflation::Disc] {
+        let options = PlanOptions { inflation, ..PlanOptions::default() };
         let way = plan(&room, start, goal, &options)?;
         println!(
-            "{corners:?} corners: {:.3} m, {:.3} m clear of everything",
+            "inflation by a {inflation:?}: {:.3} m, {:.3} m clear of everything",
             way.length, way.clearance
         );
         for point in &way.waypoints {

@@ -276,22 +276,24 @@ fn an_arena_exported_for_ros_has_the_same_shortest_way() {
 }
 
 #[test]
-fn round_corners_shorten_the_way_and_keep_the_radius() {
+fn inflation_by_a_disc_shortens_the_path_and_keeps_the_radius() {
     let folder = tempfile::tempdir().unwrap();
     let steps = folder.path().to_str().unwrap();
     let square = succeed(&["plan", PAPER, "--json"]);
-    let round = succeed(&["plan", PAPER, "--corners", "round", "--steps", steps, "--json"]);
+    let round = succeed(&["plan", PAPER, "--inflation", "disc", "--steps", steps, "--json"]);
     assert!(number(&round["length"]) < number(&square["length"]) - 0.01, "{round}");
     assert!(number(&round["clearance"]) >= 0.075 - 1e-9, "{round}");
     let picture = std::fs::read_to_string(folder.path().join("14_path.svg")).unwrap();
     assert!(picture.contains("grown by the radius"));
-    let grid = wmr(&["plan", PAPER, "--corners", "round", "--planner", "grid", "--json"]);
+    let grid = wmr(&["plan", PAPER, "--inflation", "disc", "--planner", "grid", "--json"]);
     assert_eq!(
         (grid.status.code(), document(&grid)["error"]["code"].clone()),
         (Some(2), "plan.round_needs_exact".into())
     );
     let detect = wmr(&["detect", PHOTO, "--arena", PHOTO_ARENA, "--corners", "round", "--json"]);
     assert_eq!(detect.status.code(), Some(2));
+    let message = document(&detect)["error"]["message"].to_string();
+    assert!(message.contains("--inflation disc"), "{message}");
 }
 
 #[test]

@@ -87,11 +87,8 @@ pub(crate) struct VisionArgs {
     #[arg(long, value_parser = quantity::arena, value_name = "WxH")]
     pub(crate) arena: Option<Arena>,
     /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
-    /// For planning also `square` or `round`: how obstacles grow by the robot's radius, to rectangles as
-    /// in the paper, or by a disc, with arcs driven along tangents less than 1 mm outside (exact planner,
-    /// shortest way). May be given twice.
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
-    pub(crate) corners: Vec<CornersWord>,
+    pub(crate) corners: Option<[[f64; 2]; 4]>,
     /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main", or for two pictures
     /// under "a" and "b".
     #[arg(long, value_name = "FILE")]
@@ -99,40 +96,6 @@ pub(crate) struct VisionArgs {
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,
-}
-
-impl WayArgs {
-    /// With what `--corners` says of how obstacles grow.
-    pub(crate) fn with_corners(&self, vision: &VisionArgs) -> Self {
-        Self { corners: vision.grown_corners().unwrap_or_default(), ..self.clone() }
-    }
-}
-
-/// What `--corners` says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum CornersWord {
-    /// Where the floor's corners are in the photo.
-    InPhoto([[f64; 2]; 4]),
-    /// How obstacles grow.
-    Grown(wmr::plan::Corners),
-}
-
-impl VisionArgs {
-    /// The floor's corners in the photo, if they are given.
-    pub(crate) fn photo_corners(&self) -> Option<[[f64; 2]; 4]> {
-        self.corners.iter().rev().find_map(|word| match word {
-            CornersWord::InPhoto(corners) => Some(*corners),
-            CornersWord::Grown(_) => None,
-        })
-    }
-
-    /// How obstacles grow, if it is said.
-    pub(crate) fn grown_corners(&self) -> Option<wmr::plan::Corners> {
-        self.corners.iter().rev().find_map(|word| match word {
-            CornersWord::InPhoto(_) => None,
-            CornersWord::Grown(corners) => Some(*corners),
-        })
-    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -184,9 +147,9 @@ pub(crate) struct WayArgs {
     /// What makes a way good; only the exact planner looks at anything but the length.
     #[arg(long, value_enum, default_value_t = CostName::Length)]
     pub(crate) cost: CostName,
-    /// How obstacles grow; comes from --corners of the picture's options.
-    #[arg(skip)]
-    pub(crate) corners: wmr::plan::Corners,
+    /// The shape by which obstacles are inflated, as large as the robot's radius and margin.
+    #[arg(long, value_enum, default_value_t = InflationName::Square)]
+    pub(crate) inflation: InflationName,
     /// Side of a cell of a Moving AI map.
     #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
     pub(crate) resolution: f64,
@@ -199,6 +162,23 @@ pub(crate) struct WayArgs {
     /// Never drive backwards; with --timing paper it never does.
     #[arg(long)]
     pub(crate) no_reverse: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum InflationName {
+    /// Rectangles stay rectangles, as in the paper.
+    Square,
+    /// Corners become arcs, driven along tangents less than 1 mm outside (exact planner, shortest path).
+    Disc,
+}
+
+impl From<InflationName> for wmr::plan::Inflation {
+    fn from(name: InflationName) -> Self {
+        match name {
+            InflationName::Square => Self::Square,
+            InflationName::Disc => Self::Disc,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -354,7 +334,7 @@ pub(crate) struct CalibrateCameraArgs {
     pub(crate) focal: Vec<f64>,
     /// Where the floor's corners are, if they are not found: four pixels from the lower left
     /// counter-clockwise, "x,y x,y x,y x,y", to a pixel. For a second camera give it again.
-    #[arg(long, value_parser = quantity::pixels, allow_hyphen_values = true, value_name = "CORNERS")]
+    #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Vec<[[f64; 2]; 4]>,
     /// Write the camera to this file, for --camera.
     #[arg(short, long, alias = "output", value_name = "FILE")]

@@ -1,6 +1,8 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
-use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
+use super::args::{
+    CostName, DemoArgs, InflationName, MethodName, PlannerName, TimingName, VisionArgs, WayArgs,
+};
 use super::drive::{arrived, describe_run, drive_way};
 use super::error::CliError;
 use super::folder::Folder;
@@ -24,19 +26,15 @@ const SEED: u64 = 1;
 
 /// Runs the demo; an error unless the goal is reached.
 pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
-    let vision = VisionArgs {
-        arena: Some(ARENA),
-        corners: Vec::new(),
-        camera: None,
-        method: MethodName::Robust,
-    };
+    let vision =
+        VisionArgs { arena: Some(ARENA), corners: None, camera: None, method: MethodName::Robust };
     let way_args = WayArgs {
         start: None,
         goal: Some(Goal { position: GOAL, heading: None }),
         radius: None,
         margin: None,
         cost: CostName::Length,
-        corners: wmr::plan::Corners::Square,
+        inflation: InflationName::Square,
         resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,

@@ -12,10 +12,6 @@ use std::time::Duration;
 
 /// `wmr detect`.
 pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
-    if args.vision.grown_corners().is_some() {
-        let help = "give four pixels \"x,y x,y x,y x,y\", or use wmr plan";
-        return Err(CliError::usage("obstacles grow only when a way is planned", help));
-    }
     if let Some(second) = &args.photo_b {
         return detect_pair::run(args, second, output);
     }

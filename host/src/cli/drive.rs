@@ -24,11 +24,11 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
         },
         output,
     )?;
-    let asked = args.way.with_corners(&args.vision);
-    let way = way::find(&input, &asked, MarginRule::ForDriving, output)?;
+    let asked = &args.way;
+    let way = way::find(&input, asked, MarginRule::ForDriving, output)?;
     let resume = if args.resume { Resume::Wanted } else { Resume::Offered };
     let folder = args.log.as_deref().map(|path| Folder::begin(path, &input, &way)).transpose()?;
-    let Driven { run, error } = drive_way(&way, &asked, &args.port, args.sim_seed, resume, output)?;
+    let Driven { run, error } = drive_way(&way, asked, &args.port, args.sim_seed, resume, output)?;
     if let Some(folder) = folder {
         folder.run(&run)?;
     }

@@ -204,7 +204,7 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
             MethodName::Robust => Method::Robust,
             MethodName::Paper => Method::Paper,
         },
-        corners: args.photo_corners(),
+        corners: args.corners,
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
         camera: args.camera.as_deref().map(read_camera).transpose()?,

@@ -22,13 +22,13 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
         },
         output,
     )?;
-    let asked = args.way.with_corners(&args.vision);
+    let asked = &args.way;
     if args.queries {
-        let document = queries::answers(&input, &asked)?;
+        let document = queries::answers(&input, asked)?;
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
         return output.result(&document, &text);
     }
-    let way = way::find(&input, &asked, MarginRule::AsAsked, output)?;
+    let way = way::find(&input, asked, MarginRule::AsAsked, output)?;
     if let Some(path) = &args.output {
         write_file(path, format!("{}\n", json!(way.file)).as_bytes())?;
     }

@@ -1,8 +1,6 @@
 //! Numbers with units as a person types them: metres and degrees, or with a suffix.
 
-use super::args::CornersWord;
 use wmr::geometry::{Arena, Point};
-use wmr::plan::Corners;
 use wmr::scene::Goal;
 
 /// A suffix, and what its numbers become: divided, so that 1400mm is 1.4 and not the next number to it.
@@ -106,18 +104,13 @@ pub(crate) fn place(text: &str) -> Result<Goal, String> {
     Ok(Goal { position: Point::new(length(x)?, length(y)?), heading })
 }
 
-/// Four corners from `x,y x,y x,y x,y`, pixels, or `square` or `round`.
-pub(crate) fn corners(text: &str) -> Result<CornersWord, String> {
-    match text {
-        "square" => return Ok(CornersWord::Grown(Corners::Square)),
-        "round" => return Ok(CornersWord::Grown(Corners::Round)),
-        _ => {}
-    }
-    pixels(text).map(CornersWord::InPhoto).map_err(|why| format!("{why}, or square or round"))
-}
-
 /// Four corners from `x,y x,y x,y x,y`, pixels.
-pub(crate) fn pixels(text: &str) -> Result<[[f64; 2]; 4], String> {
+pub(crate) fn corners(text: &str) -> Result<[[f64; 2]; 4], String> {
+    if let Some(shape) =
+        [("square", "square"), ("round", "disc")].iter().find(|(old, _)| *old == text)
+    {
+        return Err(format!("--corners takes pixels of the photo; write --inflation {}", shape.1));
+    }
     let corner = |pair: &str| {
         let (x, y) = pair.split_once(',')?;
         Some([finite(x)?, finite(y)?])
@@ -154,8 +147,7 @@ mod tests {
         assert_eq!(arena("160cmx2.0"), Ok(Arena { width: 1.6, height: 2.0 }));
         assert_eq!(place("0.1,20cm,90").unwrap().heading, Some(std::f64::consts::FRAC_PI_2));
         let four = [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 7.0]];
-        assert_eq!(corners("0,1 2,3 4,5 6,7"), Ok(CornersWord::InPhoto(four)));
-        assert_eq!(corners("round"), Ok(CornersWord::Grown(Corners::Round)));
+        assert_eq!(corners("0,1 2,3 4,5 6,7"), Ok(four));
     }
 
     #[test]
@@ -167,5 +159,7 @@ mod tests {
         assert!(arena("0x1").is_err() && arena("-1x1").is_err() && arena("1").is_err());
         assert!(leg_time("0").is_err() && leg_time("1e9").is_err() && distance("-1").is_err());
         assert!(corners("0,1 2,3 4,5").is_err());
+        assert!(corners("round").unwrap_err().contains("--inflation disc"));
+        assert!(corners("square").unwrap_err().contains("--inflation square"));
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
         planner: planner(args.planner),
         margin,
         cost: cost(args.cost),
-        corners: args.corners,
+        inflation: args.inflation.into(),
     };
     let began = Instant::now();
     let mut arena = PreparedArena::new(&scene, &options)?;

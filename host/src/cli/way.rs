@@ -108,7 +108,7 @@ fn plan_way(
         planner,
         margin: Margin { uniform, per_obstacle: margins.to_vec() },
         cost: cost(args.cost),
-        corners: args.corners,
+        inflation: args.inflation.into(),
     };
     let began = Instant::now();
     let MarginPlan { plan, margin, preparing, searching } =

@@ -6,7 +6,7 @@ use super::grid::grown;
 use super::svg::{Svg, Swatch};
 use crate::geometry::Point;
 use crate::grid::{LatticePoint, enlarge};
-use crate::plan::{Corners, GridStages, PathTree, Plan, PlanOptions, Planner};
+use crate::plan::{GridStages, Inflation, PathTree, Plan, PlanOptions, Planner};
 use crate::scene::Scene;
 
 /// Global paths drawn of a tree; more would not be read.
@@ -176,9 +176,9 @@ fn grown_obstacles(
     legend: &mut Vec<(Swatch, &str)>,
 ) {
     let Ok(arena) = enlarge(scene, &options.margin) else { return };
-    match options.corners {
-        Corners::Square => grown(floor, &arena),
-        Corners::Round => {
+    match options.inflation {
+        Inflation::Square => grown(floor, &arena),
+        Inflation::Disc => {
             let radius = scene.robot_radius + options.margin.uniform;
             arena.boxes.iter().for_each(|&rect| floor.rounded(metres(rect), radius, "grown"));
         }
@@ -257,11 +257,11 @@ mod tests {
     fn an_exact_way_is_drawn_with_the_grown_boxes_as_they_grew() {
         let (scene, _) = paper();
         let (start, goal) = (scene.start.unwrap().position, scene.goal.unwrap().position);
-        let drawn = |corners: Corners| {
-            let options = PlanOptions { corners, ..Default::default() };
+        let drawn = |inflation: Inflation| {
+            let options = PlanOptions { inflation, ..Default::default() };
             path(&scene, &plan(&scene, start, goal, &options).unwrap(), &options)
         };
-        let (square, round) = (drawn(Corners::Square), drawn(Corners::Round));
+        let (square, round) = (drawn(Inflation::Square), drawn(Inflation::Disc));
         let grown = |svg: &str| svg.matches("class=\"grown\"").count();
         assert_eq!((grown(&square), grown(&round)), (5, 5), "four obstacles and the legend");
         let lines = |svg: &str| svg.matches("<polyline").count();

@@ -60,9 +60,9 @@ pub enum PlanError {
         /// The widest gap that the robot would have to pass, if there is one at all.
         gap: Option<Gap>,
     },
-    /// Round corners were asked for together with something that only knows square ones.
+    /// Inflation by a disc was asked for together with something that only knows squares.
     #[error(
-        "round corners go with the exact planner and the shortest way alone; choose these, or square corners"
+        "inflation by a disc goes with the exact planner and the shortest path alone; choose these, or --inflation square"
     )]
     RoundNeedsExact,
     /// The independent test refused the path that the planner found.

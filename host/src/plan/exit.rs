@@ -5,7 +5,7 @@
 //! the start is; where it passes other obstacles it keeps the whole distance.
 
 use super::clearance::leg_distance;
-use super::leg_test::crosses;
+use super::leg_check::crosses;
 use crate::geometry::Point;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
 use crate::scene::Scene;

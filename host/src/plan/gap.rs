@@ -5,7 +5,7 @@
 //! that one would touch on both sides makes the gap.
 
 use super::exact::Exact;
-use super::leg_test::crosses;
+use super::leg_check::crosses;
 use crate::geometry::Rect;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, Margin, UNITS_PER_METRE, enlarge};
 use crate::scene::Scene;

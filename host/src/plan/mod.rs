@@ -17,7 +17,7 @@ mod error;
 mod exact;
 mod exit;
 mod gap;
-mod leg_test;
+mod leg_check;
 mod local_path;
 mod margins;
 mod paper;
@@ -31,7 +31,7 @@ pub use clearance::clearance;
 pub use cost::Cost;
 pub use error::{Blocker, End, PlanError};
 pub use gap::{Gap, Side};
-pub use leg_test::LegTest;
+pub use leg_check::LegTest;
 pub use local_path::{drop_useless_points, entry_exit_points};
 pub use margins::{DRIVE_MARGINS, MarginPlan, with_margin_fallback};
 pub use paper::GridStages;
@@ -66,14 +66,15 @@ impl Planner {
     }
 }
 
-/// How obstacles grow by the robot's radius and margin.
+/// The shape by which obstacles are inflated (their Minkowski sum with it): as large as the robot's
+/// radius and the margin together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Corners {
-    /// Rectangles stay rectangles, as in the paper.
+pub enum Inflation {
+    /// A square: rectangles stay rectangles, as in the paper.
     #[default]
     Square,
-    /// By a disc: corners become arcs, driven as legs along tangents less than a millimetre outside.
-    Round,
+    /// A disc: corners become arcs, driven as legs along tangents less than a millimetre outside.
+    Disc,
 }
 
 /// What to plan with.
@@ -85,8 +86,8 @@ pub struct PlanOptions {
     pub margin: Margin,
     /// What makes a way good; only the exact planner looks at anything but the length.
     pub cost: Cost,
-    /// How obstacles grow; round corners go with the exact planner and the length as cost alone.
-    pub corners: Corners,
+    /// How obstacles are inflated; a disc goes with the exact planner and the length as cost alone.
+    pub inflation: Inflation,
 }
 
 /// A way from start to goal that was tested to be free.

@@ -7,7 +7,7 @@ use super::exit::exit_point;
 use super::gap::narrowest_gap;
 use super::paper::grid_stages;
 use super::round::Round;
-use super::{Corners, Cost, End, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
+use super::{Cost, End, Inflation, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
 use crate::geometry::Point;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, UNITS_PER_METRE, enlarge};
 use crate::scene::Scene;
@@ -30,7 +30,7 @@ pub struct PreparedArena<'a> {
 #[derive(Clone, Debug)]
 enum Method {
     Exact(Box<Exact>),
-    /// The exact one for square corners stands by: its way is a bound.
+    /// The exact one for square inflation stands by: the length of its path is a bound.
     Round {
         exact: Box<Exact>,
         round: Box<Round>,
@@ -60,7 +60,7 @@ impl<'a> PreparedArena<'a> {
     /// ```
     pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
         let arena = enlarge(scene, &options.margin)?;
-        let is_round = options.corners == Corners::Round;
+        let is_round = options.inflation == Inflation::Disc;
         if is_round && (options.planner != Planner::Exact || options.cost != Cost::Length) {
             return Err(PlanError::RoundNeedsExact);
         }

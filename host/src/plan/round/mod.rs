@@ -9,13 +9,13 @@
 //! free is asked of the outlines near it. Work grows with the boxes in reach of the way, squared: this
 //! is for rooms, not for cities. Whatever is found, [`DiscTest`] has the last word. Lattice units.
 
-mod disc_test;
+mod disc_clearance;
 mod outline;
 
 use super::box_index::BoxIndex;
 use super::ranked::Ranked;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
-use disc_test::{DiscTest, grow};
+use disc_clearance::{DiscTest, grow};
 use outline::{Outline, arc};
 use std::collections::BinaryHeap;
 

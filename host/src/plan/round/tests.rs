@@ -1,13 +1,13 @@
 //! Round corners by hand, and between two bounds that a slow search over other polygons gives.
 
-use super::super::{Corners, LegTest, PlanOptions, PreparedArena, plan};
+use super::super::{Inflation, LegTest, PlanOptions, PreparedArena, plan};
 use crate::geometry::{Point, Rect};
 use crate::scene::Scene;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn rounded() -> PlanOptions {
-    PlanOptions { corners: Corners::Round, ..PlanOptions::default() }
+    PlanOptions { inflation: Inflation::Disc, ..PlanOptions::default() }
 }
 
 /// What tangents within a millimetre add to an arc of 75 mm radius, at most, as a part of it: with m = 6
@@ -89,7 +89,7 @@ fn a_start_between_arc_and_square_needs_no_exit() {
 }
 
 #[test]
-fn round_corners_are_the_exact_planner_s_alone() {
+fn inflation_by_a_disc_is_for_the_exact_planner_alone() {
     let scene = Scene::new(2.0, 2.0);
     let options = PlanOptions { planner: super::super::Planner::Grid, ..rounded() };
     assert_eq!(PreparedArena::new(&scene, &options).unwrap_err().code(), "round_needs_exact");

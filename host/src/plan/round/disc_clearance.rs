@@ -5,7 +5,7 @@
 //! passes: the square of a cross product against that of radius and leg, in `i128`. Lattice units.
 
 use super::super::box_index::BoxIndex;
-use super::super::leg_test::crosses;
+use super::super::leg_check::crosses;
 use crate::grid::{LatticePoint, LatticeRect, turn};
 
 /// The boxes before they grow by the disc.
