@@ -15,9 +15,11 @@ pub mod fuzzing_vision;
 pub mod link;
 pub mod lockstep;
 pub mod model;
+pub mod occupied;
 #[cfg(unix)]
 pub mod replug;
 pub mod vehicles;
+pub mod vision_scores;
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;
