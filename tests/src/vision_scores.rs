@@ -14,8 +14,8 @@ use std::path::PathBuf;
 use wmr::geometry::{Arena, Pose, Rect};
 use wmr::vision::{Camera, DetectOptions, Photo, VisionError, decode, detect, detect_pair};
 
-/// A measure: its name, its unit, and how much worse than today it may be. Compilers and other processors change the
-/// last digits of sums of thousands of pixels; a fourth of a cell of the plan view is more than that does.
+/// A measure: its name, its unit, and how much worse than today it may be. The slack is for other compilers
+/// and processors, which change the last digits of sums over thousands of pixels and with them where a search ends.
 const MEASURES: [(&str, &str, f64); 8] = [
     ("1 - IoU", "", 0.015),
     ("missed", "boxes", 0.0),
@@ -34,15 +34,15 @@ type Scores = [f64; MEASURES.len()];
 const TODAY: [(&str, Scores); 12] = [
     ("L1_d07_robot", [0.023, 0.0, 0.0, 0.0, 0.252, 1.259, 0.283, 0.0]),
     ("L2_d04_robot", [0.103, 0.0, 0.0, 8.293, 0.222, 2.469, 3.506, 0.0]),
-    ("L2_d05", [0.132, 0.0, 0.0, 22.227, 0.126, 0.0, 0.0, 0.0]),
+    ("L2_d05", [0.134, 0.0, 1.0, 3.115, 0.126, 0.0, 0.0, 0.0]),
     ("L2_d07_robot", [0.0, 0.0, 0.0, 0.0, 0.112, 13.864, 0.05, 0.0]),
-    ("two_lamps", [0.337, 1.0, 2.0, 83.517, 0.239, 0.0, 0.0, 0.0]),
+    ("two_lamps", [0.347, 1.0, 8.0, 83.517, 0.239, 0.0, 0.0, 0.0]),
     ("L3_d01", [0.306, 0.0, 1.0, 20.355, 2.118, 0.0, 0.0, 0.0]),
     ("L3_d02_robot", [0.314, 1.0, 3.0, 122.709, 0.225, UNSEEN, UNSEEN, 0.0]),
-    ("L3_d03_robot", [0.387, 1.0, 0.0, 403.137, 1.353, 10.977, 0.787, 0.0]),
+    ("L3_d03_robot", [0.382, 1.0, 0.0, 403.137, 1.353, 10.977, 0.787, 0.0]),
     ("L3_d04_robot", [0.212, 0.0, 0.0, 0.0, 0.199, 3.56, 2.807, 0.0]),
     ("L3_d05", [0.0, 0.0, 0.0, 0.0, 5.226, 0.0, 0.0, 0.0]),
-    ("L3_d06_robot", [0.178, 1.0, 0.0, 350.891, 0.134, 0.295, 0.275, 0.0]),
+    ("L3_d06_robot", [0.178, 1.0, 0.0, 338.568, 0.134, 0.295, 0.275, 0.0]),
     ("stereo_d02", [0.099, 1.0, 1.0, 268.891, 0.0, 4.188, 0.042, 20.702]),
 ];
 

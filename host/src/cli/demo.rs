@@ -56,7 +56,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let folder = Folder::begin(&args.out, &input, &way)?;
     let Driven { run, error } =
         drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
-    folder.run(&run)?;
+    folder.run(&input, &way, &run)?;
     error.map_or(Ok(()), Err)?;
     output.result(&run.document(), &describe_run(&run))?;
     output.say(&format!("pictures and log: {}", args.out.display()));

@@ -30,7 +30,7 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     let folder = args.log.as_deref().map(|path| Folder::begin(path, &input, &way)).transpose()?;
     let Driven { run, error } = drive_way(&way, asked, &args.port, args.sim_seed, resume, output)?;
     if let Some(folder) = folder {
-        folder.run(&run)?;
+        folder.run(&input, &way, &run)?;
     }
     error.map_or(Ok(()), Err)?;
     output.result(&run.document(), &describe_run(&run))?;

@@ -8,6 +8,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use wmr::legs::{from_wire, planned_poses};
 use wmr::picture;
+use wmr::picture::drive::drive_picture;
 use wmr::picture::motion::{TimedPose, motion_svg};
 use wmr::picture::vision::NamedPicture;
 
@@ -82,8 +83,8 @@ impl Folder {
         self.write("14_path.svg", picture::plan::path(scene, plan, &way.options).as_bytes())
     }
 
-    /// Writes down a run.
-    pub(crate) fn run(&self, run: &Run) -> Result<(), CliError> {
+    /// Writes down a run; of a photo, also its path over the plan view.
+    pub(crate) fn run(&self, input: &Input, way: &PlannedWay, run: &Run) -> Result<(), CliError> {
         let planned: Vec<_> = planned_poses(run.rest(), &run.limits)
             .into_iter()
             .map(|(time, pose)| TimedPose { time, pose })
@@ -94,7 +95,13 @@ impl Folder {
             .map(|sample| TimedPose { time: sample.time, pose: from_wire(sample.telemetry.pose) })
             .collect();
         self.write("run.jsonl", run.lines().as_bytes())?;
-        self.write("15_motion.svg", motion_svg(&planned, &measured).as_bytes())
+        self.write("15_motion.svg", motion_svg(&planned, &measured).as_bytes())?;
+        let Input::Photo(seen) = input else { return Ok(()) };
+        let Some(steps) = &seen.detection.steps else { return Ok(()) };
+        let driven: Vec<_> = measured.iter().map(|at| at.pose).collect();
+        let radius = way.file.scene.robot_radius;
+        let picture = drive_picture(steps, &way.file.waypoints, &driven, radius);
+        self.write("16_drive.svg", picture.as_bytes())
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {

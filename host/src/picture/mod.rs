@@ -1,5 +1,6 @@
 //! Draws what each stage of the flow saw, as SVG and PNG.
 
+pub mod drive;
 mod floor;
 pub mod grid;
 pub mod motion;

@@ -8,7 +8,7 @@ use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::fmt::Write;
 
 /// Pixels per metre of the drawn pictures.
-const DRAWN_SCALE: f64 = 400.0;
+pub(super) const DRAWN_SCALE: f64 = 400.0;
 /// The colours of the drawn pictures.
 const OBSTACLE: &str = "#d1495b";
 const MARGIN: &str = "#edae49";
@@ -137,7 +137,7 @@ fn png<T: Copy>(codes: &[u8], of: &Raster<T>, kind: ExtendedColorType) -> Vec<u8
     if written.is_ok() { bytes } else { Vec::new() }
 }
 
-fn opened(arena: Arena, png: &[u8]) -> String {
+pub(super) fn opened(arena: Arena, png: &[u8]) -> String {
     embedded((arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE), png)
 }
 
@@ -194,7 +194,7 @@ pub(super) fn robot(
 }
 
 /// Where a floor point is drawn.
-fn drawn(arena: Arena, point: Point) -> (f64, f64) {
+pub(super) fn drawn(arena: Arena, point: Point) -> (f64, f64) {
     (point.x * DRAWN_SCALE, (arena.height - point.y) * DRAWN_SCALE)
 }
 
