@@ -6,7 +6,7 @@
 //! counts ─► odometry ─► pose ──────────┘          robot: all of it as one value
 //! ```
 //! The control law is that of [Alghannam, Sec. IV]: [`chained_form`] and [`cosine_switch`] hold it in n
-//! dimensions, [`leg_runner`] drives the three intervals of a leg with it. SI units, arena frame.
+//! dimensions, `leg_runner` drives the three intervals of a leg with it. SI units, arena frame.
 //! Nothing here knows of pins, executors or clocks; nothing allocates or panics.
 #![cfg_attr(not(test), no_std)]
 #![warn(clippy::indexing_slicing)]
