@@ -17,9 +17,9 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | Where is the floor's border chosen? | [`vision`], border |
-//! | Where are shadows modelled? | [`vision`], appearance: floor and shadow |
-//! | Where does a box get its margin? | [`vision`], boxes: the refinement of its sides; [`plan::with_margin_fallback`] adds the margin for driving |
+//! | Where is the floor's border chosen? | `vision/border` |
+//! | Where are shadows modelled? | `vision/appearance` (`floor`, `shadow`); those that boxes cast in `vision/boxes` (`light`) |
+//! | Where does a box get its margin? | `vision/boxes` (`refine`, and `uncovered` for what no box explains); [`plan::with_margin_fallback`] chooses the margin for driving |
 //! | Where is a leg's time made? | [`protocol::motion`], shared by host and robot; [`legs`] asks it |
 //! | Where does a lost frame come back? | [`protocol::session`], at both ends; [`link::LinkClient`] is the host's |
 //!
