@@ -162,8 +162,7 @@ impl Coarse {
     }
 }
 
-/// So many cells of the arena as the floor's model is fitted to, or every `stride`-th of them.
-/// Cells on the arena, at most so many as a floor model needs.
+/// Cells on the arena, at most as many as a floor model is fitted to, or every `stride`-th of those.
 pub(crate) fn samples(
     frame: &PlanFrame,
     features: &Raster<Feature>,

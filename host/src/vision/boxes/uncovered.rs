@@ -109,7 +109,10 @@ impl Explained<'_> {
         left.retain(|&cell| {
             !widen(self.metres(around(&[cell], width)), most, with_margins(outlines, bounded))
         });
-        for region in regions(&marked(&left, width)) {
+        // A patch of which nothing was taken is one region still; noise makes thousands of these.
+        let whole = left.len() == patch.len();
+        let rest = if whole { vec![left] } else { regions(&marked(&left, width)) };
+        for region in rest {
             let rect = self.metres(around(&region, width));
             let is_sliver = self.foot.is_some()
                 && (region.len() as f64) < SLIVER * self.look.view.scale.powi(2);
