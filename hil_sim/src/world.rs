@@ -1,27 +1,73 @@
-//! The arena around the base: true boxes and walls, and whether the robot touched one. Metres.
+//! The arena around the base: true shapes and walls, and whether the robot touched one. Metres.
 
 use crate::base::TruePose;
 
 /// Overlaps up to this depth are contact, not collision, m.
 const CONTACT: f64 = 0.0001;
 
+/// What stands on the floor, m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A rectangle along the walls: x0, y0, x1, y1.
+    Rect([f64; 4]),
+    /// A simple polygon, its corners x, y in either direction.
+    Polygon(Vec<[f64; 2]>),
+    /// A disc: x, y of the centre, radius.
+    Circle([f64; 3]),
+}
+
+impl Shape {
+    /// The distance from the point to the shape's outline, negative inside.
+    fn signed_distance(&self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Circle([cx, cy, radius]) => (x - cx).hypot(y - cy) - radius,
+            Self::Polygon(corners) => polygon_distance(corners, x, y),
+            &Self::Rect([x0, y0, x1, y1]) => {
+                let (outside_x, outside_y) = ((x0 - x).max(x - x1), (y0 - y).max(y - y1));
+                if outside_x <= 0.0 && outside_y <= 0.0 {
+                    outside_x.max(outside_y)
+                } else {
+                    outside_x.max(0.0).hypot(outside_y.max(0.0))
+                }
+            }
+        }
+    }
+}
+
+/// As [`Shape::signed_distance`]. Inside is where the outline winds around the point: the angles under
+/// which its edges are seen add up to a full turn.
+fn polygon_distance(corners: &[[f64; 2]], x: f64, y: f64) -> f64 {
+    let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
+    for (&[ax, ay], &[bx, by]) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let (ux, uy, vx, vy) = (ax - x, ay - y, bx - x, by - y);
+        let (ex, ey) = (bx - ax, by - ay);
+        let square = ex * ex + ey * ey;
+        let share =
+            if square > 0.0 { (-(ux * ex + uy * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
+        nearest = nearest.min((ux + share * ex).hypot(uy + share * ey));
+        winding += (ux * vy - uy * vx).atan2(ux * vx + uy * vy);
+    }
+    if winding.abs() > std::f64::consts::PI { -nearest } else { nearest }
+}
+
 /// A true arena.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
     /// Width and height of the floor, m.
     pub size: [f64; 2],
-    /// True boxes: x0, y0, x1, y1, m.
-    pub boxes: Vec<[f64; 4]>,
+    /// What stands on the floor.
+    pub shapes: Vec<Shape>,
     /// Radius of the robot's disc, m.
     pub robot_radius: f64,
 }
 
 impl World {
-    /// The gap between the robot's disc at `pose` and the nearest box or wall, m; negative where it overlaps.
+    /// The gap between the robot's disc at `pose` and the nearest shape or wall, m; negative where it overlaps.
     ///
     /// ```
-    /// use wmr_sim::{base::TruePose, world::World};
-    /// let world = World { size: [2.0, 1.0], boxes: vec![[1.0, 0.0, 1.2, 1.0]], robot_radius: 0.1 };
+    /// use wmr_sim::{base::TruePose, world::{Shape, World}};
+    /// let shapes = vec![Shape::Rect([1.0, 0.0, 1.2, 1.0])];
+    /// let world = World { size: [2.0, 1.0], shapes, robot_radius: 0.1 };
     /// let gap = world.clearance(TruePose { x: 0.5, y: 0.5, heading: 0.0 });
     /// assert!((gap - 0.4).abs() < 1e-12);
     /// ```
@@ -29,14 +75,7 @@ impl World {
         let TruePose { x, y, .. } = pose;
         let [width, height] = self.size;
         let wall = x.min(y).min(width - x).min(height - y);
-        let nearest = self.boxes.iter().map(|&[x0, y0, x1, y1]| {
-            let (outside_x, outside_y) = ((x0 - x).max(x - x1), (y0 - y).max(y - y1));
-            if outside_x <= 0.0 && outside_y <= 0.0 {
-                outside_x.max(outside_y)
-            } else {
-                outside_x.max(0.0).hypot(outside_y.max(0.0))
-            }
-        });
+        let nearest = self.shapes.iter().map(|shape| shape.signed_distance(x, y));
         nearest.fold(wall, f64::min) - self.robot_radius
     }
 }
@@ -44,7 +83,7 @@ impl World {
 /// What has happened to the robot in its world so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionLog {
-    /// How often the robot ran into a box or wall.
+    /// How often the robot ran into a shape or wall.
     pub collisions: u32,
     /// The smallest gap so far, m; infinite before the first look.
     pub min_clearance: f64,
@@ -77,12 +116,33 @@ mod tests {
 
     #[test]
     fn clearance_to_walls_edges_corners_and_insides() {
-        let world =
-            World { size: [4.0, 4.0], boxes: vec![[1.0, 1.0, 2.0, 2.0]], robot_radius: 0.1 };
+        let shapes = vec![Shape::Rect([1.0, 1.0, 2.0, 2.0])];
+        let world = World { size: [4.0, 4.0], shapes, robot_radius: 0.1 };
         assert!((world.clearance(at(0.3, 3.0)) - 0.2).abs() < 1e-12);
         assert!((world.clearance(at(2.5, 1.5)) - 0.4).abs() < 1e-12);
         assert!((world.clearance(at(2.3, 2.4)) - 0.4).abs() < 1e-12);
         assert!((world.clearance(at(1.5, 1.2)) + 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_rectangle_written_as_a_polygon_is_the_same_and_a_disc_is_round() {
+        let rect = Shape::Rect([1.0, 1.0, 2.0, 3.0]);
+        let corners = vec![[1.0, 1.0], [1.0, 3.0], [2.0, 3.0], [2.0, 1.0]];
+        let polygon = Shape::Polygon(corners);
+        for (x, y) in [(0.5, 0.5), (1.25, 2.0), (2.5, 1.5), (3.0, 4.0), (1.0, 2.0)] {
+            let (a, b) = (rect.signed_distance(x, y), polygon.signed_distance(x, y));
+            assert!((a - b).abs() < 1e-12, "({x}, {y}): {a} {b}");
+        }
+        let disc = Shape::Circle([1.0, 1.0, 0.5]);
+        assert_eq!((disc.signed_distance(1.0, 2.0), disc.signed_distance(1.0, 1.25)), (0.5, -0.25));
+    }
+
+    #[test]
+    fn the_notch_of_a_concave_polygon_is_outside() {
+        let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let ell = Shape::Polygon(ell.to_vec());
+        assert!((ell.signed_distance(1.5, 1.5) - 0.5).abs() < 1e-12);
+        assert!((ell.signed_distance(0.5, 1.5) + 0.5).abs() < 1e-12);
     }
 
     #[test]

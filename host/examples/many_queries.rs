@@ -11,8 +11,8 @@ fn main() -> Result<(), PlanError> {
     for row in 0..14 {
         let y = 1.5 + 2.0 * f64::from(row);
         let gap = 3.0 + f64::from(row * 7 % 24);
-        store.obstacles.push(Rect::new(0.0, y, gap, y + 0.5));
-        store.obstacles.push(Rect::new(gap + 1.0, y, 30.0, y + 0.5));
+        store.obstacles.push(Rect::new(0.0, y, gap, y + 0.5).into());
+        store.obstacles.push(Rect::new(gap + 1.0, y, 30.0, y + 0.5).into());
     }
     let options = PlanOptions::default();
     let began = Instant::now();

@@ -69,6 +69,38 @@ impl Rect {
         Self { x0, y0, x1, y1 }
     }
 
+    /// The smallest rectangle around `points`; inside out if there are none.
+    pub fn around(points: &[Point]) -> Self {
+        let nothing = Self::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
+        points.iter().fold(nothing, |around, at| Self {
+            x0: around.x0.min(at.x),
+            y0: around.y0.min(at.y),
+            x1: around.x1.max(at.x),
+            y1: around.y1.max(at.y),
+        })
+    }
+
+    /// The corners, counter-clockwise from the lower left.
+    pub fn corners(self) -> [Point; 4] {
+        let Self { x0, y0, x1, y1 } = self;
+        [Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]
+    }
+
+    /// The area, m².
+    pub fn area(self) -> f64 {
+        (self.x1 - self.x0) * (self.y1 - self.y0)
+    }
+
+    /// The rectangle with its left, lower, right and upper edge so many metres further out.
+    pub fn widened(self, [left, lower, right, upper]: [f64; 4]) -> Self {
+        Self { x0: self.x0 - left, y0: self.y0 - lower, x1: self.x1 + right, y1: self.y1 + upper }
+    }
+
+    /// Whether the two have more than an edge in common.
+    pub fn overlaps(self, other: Self) -> bool {
+        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+
     /// Whether `point` lies strictly inside.
     pub fn contains(self, point: Point) -> bool {
         self.x0 < point.x && point.x < self.x1 && self.y0 < point.y && point.y < self.y1

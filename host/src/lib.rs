@@ -38,6 +38,7 @@ pub mod picture;
 pub mod plan;
 pub mod plan_file;
 pub mod scene;
+pub mod shape;
 pub mod uf2;
 pub mod vision;
 

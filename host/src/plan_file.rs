@@ -5,7 +5,7 @@
 //! plan edited by hand, or mixed up with another arena, moves nothing. Metres and radians.
 
 use crate::geometry::{Point, Pose};
-use crate::plan::{GridStages, Plan, clearance};
+use crate::plan::{GridStages, Inflation, Plan, clearance};
 use crate::scene::{Scene, SceneError};
 use protocol::motion::{self, Leg};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,9 @@ pub struct PlanFile {
     pub format: PlanFormat,
     /// Which planner found it.
     pub planner: String,
+    /// How the obstacles were inflated.
+    #[serde(default = "square")]
+    pub inflation: Inflation,
     /// Where the robot turns, start and goal included.
     pub waypoints: Vec<Point>,
     /// The way's length.
@@ -139,6 +142,7 @@ impl PlanFile {
         Self {
             format: PlanFormat::Plan,
             planner: plan.planner.name().to_owned(),
+            inflation: plan.inflation,
             waypoints: plan.waypoints.clone(),
             length: plan.length,
             clearance: plan.clearance,
@@ -294,6 +298,11 @@ fn matrix_rows(stages: &GridStages) -> Vec<Vec<u8>> {
         }
     }
     rows
+}
+
+/// The inflation of plans that were written before they named one.
+fn square() -> Inflation {
+    Inflation::Square
 }
 
 fn torn(reason: &str) -> PlanFileError {

@@ -133,7 +133,7 @@ fn paper_scene() -> wmr::scene::Scene {
 #[test]
 fn detect_prints_a_scene_with_margins_corners_and_robot() {
     let seen = succeed(&["detect", PHOTO, "--arena", PHOTO_ARENA, "--json"]);
-    assert_eq!(seen["format"], "wmr-scene/1");
+    assert_eq!(seen["format"], "wmr-scene/2");
     let obstacles = seen["obstacles"].as_array().unwrap();
     assert_eq!(obstacles.len(), 8);
     assert_eq!(seen["margins"].as_array().unwrap().len(), 8);
@@ -166,7 +166,7 @@ fn a_plan_from_a_photo_is_a_plan_file_that_drives() {
     }
     let waypoints = plan["waypoints"].as_array().unwrap();
     assert_eq!(numbers(waypoints.last().unwrap()), [0.996, 0.229]);
-    assert_eq!(plan["scene"]["format"], "wmr-scene/1");
+    assert_eq!(plan["scene"]["format"], "wmr-scene/2");
     assert_arrived(&succeed(&["drive", file, "--port", "sim", "--json"]));
 }
 
@@ -288,7 +288,7 @@ fn inflation_by_a_disc_shortens_the_path_and_keeps_the_radius() {
     let grid = wmr(&["plan", PAPER, "--inflation", "disc", "--planner", "grid", "--json"]);
     assert_eq!(
         (grid.status.code(), document(&grid)["error"]["code"].clone()),
-        (Some(2), "plan.round_needs_exact".into())
+        (Some(2), "plan.disc_needs_exact".into())
     );
     let detect = wmr(&["detect", PHOTO, "--arena", PHOTO_ARENA, "--corners", "round", "--json"]);
     assert_eq!(detect.status.code(), Some(2));

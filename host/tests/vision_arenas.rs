@@ -70,7 +70,8 @@ fn boxes() -> impl Strategy<Value = Vec<Rect>> {
 
 fn found(seen: &Detection, truth: Rect, tolerance: f64) -> bool {
     let truth = <[f64; 4]>::from(truth);
-    seen.obstacles.iter().any(|&rect| {
+    seen.obstacles.iter().any(|found| {
+        let rect = found.footprint.bounds();
         <[f64; 4]>::from(rect).iter().zip(truth).all(|(a, b)| (a - b).abs() < tolerance)
     })
 }

@@ -61,7 +61,11 @@ fn boxes_and_robot_are_where_they_were_drawn() {
         assert_eq!(seen.obstacles.len(), boxes.len());
         for &truth in boxes {
             assert!(
-                seen.obstacles.iter().any(|&found| agrees(found, truth, EDGE_TOLERANCE)),
+                seen.obstacles.iter().any(|found| agrees(
+                    found.footprint.bounds(),
+                    truth,
+                    EDGE_TOLERANCE
+                )),
                 "{truth:?}"
             );
         }
@@ -83,7 +87,11 @@ fn the_papers_method_finds_the_same_boxes_more_coarsely() {
     assert_eq!(seen.obstacles.len(), boxes.len());
     for &truth in boxes {
         assert!(
-            seen.obstacles.iter().any(|&found| agrees(found, truth, 3.0 * EDGE_TOLERANCE)),
+            seen.obstacles.iter().any(|found| agrees(
+                found.footprint.bounds(),
+                truth,
+                3.0 * EDGE_TOLERANCE
+            )),
             "{truth:?}"
         );
     }

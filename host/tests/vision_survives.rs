@@ -45,9 +45,8 @@ proptest! {
         let corners = given.then_some([[10.0, 110.0], [150.0, 112.0], [148.0, 9.0], [12.0, 8.0]]);
         let options = DetectOptions { corners, ..DetectOptions::default() };
         if let Ok(seen) = detect(&photo, Arena { width, height }, &options) {
-            prop_assert_eq!(seen.obstacles.len(), seen.margins.len());
-            for rect in seen.obstacles {
-                prop_assert!(rect.x0 < rect.x1 && rect.y0 < rect.y1 && rect.x0.is_finite() && rect.y1.is_finite(), "{:?}", rect);
+            for obstacle in seen.obstacles {
+                prop_assert_eq!(obstacle.footprint.check(), Ok(()), "{:?}", obstacle);
             }
         }
     }

@@ -3,7 +3,7 @@
 //! The first byte chooses between a file and a picture that the rest describes: its size, the arena,
 //! what the caller says, and rectangles of any colour under noise.
 
-use wmr::geometry::{Arena, Rect};
+use wmr::geometry::Arena;
 use wmr::vision::{DetectOptions, Detection, Method, Photo, decode, detect};
 
 /// A picture has at most so many pixels a side: larger ones are slow and find nothing else.
@@ -41,11 +41,10 @@ fn look(photo: &Photo, arena: Arena, options: &DetectOptions) {
 }
 
 fn check(seen: &Detection) {
-    assert_eq!(seen.obstacles.len(), seen.margins.len());
-    for &Rect { x0, y0, x1, y1 } in &seen.obstacles {
-        assert!(x0 < x1 && y0 < y1 && [x0, y0, x1, y1].iter().all(|edge| edge.is_finite()));
+    for obstacle in &seen.obstacles {
+        assert_eq!(obstacle.footprint.check(), Ok(()));
+        assert!(obstacle.margin.iter().all(|margin| margin.is_finite() && *margin >= 0.0));
     }
-    assert!(seen.margins.iter().flatten().all(|margin| margin.is_finite() && *margin >= 0.0));
     assert!((0.0..=1.0).contains(&seen.confidence));
 }
 

@@ -107,12 +107,11 @@ impl Scene {
     fn scores(&self) -> Scores {
         let (arena, photos) = (self.arena(), self.photos());
         let options = DetectOptions::default();
-        let (seen, heights) = match &photos[..] {
-            [(photo, _)] => (detect(photo, arena, &options).unwrap(), None),
+        let seen = match &photos[..] {
+            [(photo, _)] => detect(photo, arena, &options).unwrap(),
             [(a, first), (b, second)] => {
                 let cameras = [self.camera(first), self.camera(second)];
-                let seen = detect_pair([a, b], cameras.each_ref(), arena, &options).unwrap();
-                (seen.detection, Some(seen.heights))
+                detect_pair([a, b], cameras.each_ref(), arena, &options).unwrap().detection
             }
             _ => panic!("one picture or two"),
         };
@@ -122,13 +121,10 @@ impl Scene {
         });
         let apart =
             seen.corners_px.iter().zip(corners).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-        let found = inside(&seen.obstacles, arena);
-        let widened = seen.obstacles.iter().zip(&seen.margins).map(|(r, m)| Rect {
-            x0: r.x0 - m[0],
-            y0: r.y0 - m[1],
-            x1: r.x1 + m[2],
-            y1: r.y1 + m[3],
-        });
+        let rects: Vec<Rect> = seen.obstacles.iter().map(|of| of.footprint.bounds()).collect();
+        let found = inside(&rects, arena);
+        let widened =
+            seen.obstacles.iter().zip(&rects).map(|(obstacle, rect)| rect.widened(obstacle.margin));
         let [place, turn] = self.robot_error(seen.robot);
         [
             1.0 - overlap(&truth, &found),
@@ -138,11 +134,12 @@ impl Scene {
             apart.fold(0.0, f64::max),
             place,
             turn,
-            heights.map_or(0.0, |heights| {
-                let pairs = partners(&truth, &seen.obstacles).into_iter().zip(true_heights);
-                let off = pairs.filter_map(|(at, height)| Some((heights[at?] - height).abs()));
+            {
+                let pairs = partners(&truth, &rects).into_iter().zip(true_heights);
+                let off = pairs
+                    .filter_map(|(at, height)| Some((seen.obstacles[at?].height? - height).abs()));
                 1000.0 * off.fold(0.0, f64::max)
-            }),
+            },
         ]
     }
 

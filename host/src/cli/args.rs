@@ -147,9 +147,10 @@ pub(crate) struct WayArgs {
     /// What makes a way good; only the exact planner looks at anything but the length.
     #[arg(long, value_enum, default_value_t = CostName::Length)]
     pub(crate) cost: CostName,
-    /// The shape by which obstacles are inflated, as large as the robot's radius and margin.
-    #[arg(long, value_enum, default_value_t = InflationName::Square)]
-    pub(crate) inflation: InflationName,
+    /// The shape by which obstacles are inflated, as large as the robot's radius and margin [default: square
+    /// where every obstacle is an upright rectangle, else disc].
+    #[arg(long, value_enum)]
+    pub(crate) inflation: Option<InflationName>,
     /// Side of a cell of a Moving AI map.
     #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
     pub(crate) resolution: f64,
@@ -166,9 +167,9 @@ pub(crate) struct WayArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum InflationName {
-    /// Rectangles stay rectangles, as in the paper.
+    /// Rectangles stay rectangles, as in the paper; other shapes are covered by rectangles first.
     Square,
-    /// Corners become arcs, driven along tangents less than 1 mm outside (exact planner, shortest path).
+    /// Corners become arcs, driven along tangents less than 0.5 mm outside (exact planner, shortest path).
     Disc,
 }
 

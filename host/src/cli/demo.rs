@@ -1,8 +1,6 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
-use super::args::{
-    CostName, DemoArgs, InflationName, MethodName, PlannerName, TimingName, VisionArgs, WayArgs,
-};
+use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
 use super::drive::{arrived, describe_run, drive_way};
 use super::error::CliError;
 use super::folder::Folder;
@@ -34,7 +32,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         radius: None,
         margin: None,
         cost: CostName::Length,
-        inflation: InflationName::Square,
+        inflation: None,
         resolution: 1.0,
         planner: PlannerName::Grid,
         timing: TimingName::Limits,

@@ -9,6 +9,8 @@ use super::output::Output;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Duration;
+use wmr::geometry::Rect;
+use wmr::shape::Shape;
 
 /// `wmr detect`.
 pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
@@ -41,7 +43,9 @@ pub(super) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
     let detection = &seen.detection;
     let mut document = json!(seen.scene(Some(radius)));
     if let Some(fields) = document.as_object_mut() {
-        fields.insert("margins".into(), json!(detection.margins));
+        // A scene without any margin leaves the list out; a detection always has it.
+        let margins = || detection.obstacles.iter().map(|obstacle| json!(obstacle.margin));
+        fields.entry("margins").or_insert_with(|| Value::from_iter(margins()));
         fields.insert("corners_px".into(), json!(detection.corners_px));
         fields.insert("robot".into(), json!(detection.robot));
         fields.insert("confidence".into(), json!(detection.confidence));
@@ -56,6 +60,17 @@ fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1000.0
 }
 
+/// Where a shape lies, for people.
+fn shape_text(shape: &Shape) -> String {
+    let Rect { x0, y0, x1, y1 } = shape.bounds();
+    let place = format!("x {x0:.3} to {x1:.3} m, y {y0:.3} to {y1:.3} m");
+    match shape {
+        Shape::Rect(_) => place,
+        Shape::Circle(circle) => format!("{place}, a disc of radius {:.3} m", circle.radius),
+        Shape::Polygon(polygon) => format!("{place}, {} corners", polygon.corners().len()),
+    }
+}
+
 /// What was seen, for people.
 pub(crate) fn describe(seen: &SeenPhoto) -> String {
     let detection = &seen.detection;
@@ -65,15 +80,8 @@ pub(crate) fn describe(seen: &SeenPhoto) -> String {
         detection.confidence,
         milliseconds(seen.decode_time + seen.detect_time),
     );
-    for (index, rect) in detection.obstacles.iter().enumerate() {
-        text += &format!(
-            "  {}: x {:.3} to {:.3} m, y {:.3} to {:.3} m\n",
-            index + 1,
-            rect.x0,
-            rect.x1,
-            rect.y0,
-            rect.y1
-        );
+    for (index, obstacle) in detection.obstacles.iter().enumerate() {
+        text += &format!("  {}: {}\n", index + 1, shape_text(&obstacle.footprint));
     }
     match detection.robot {
         Some(pose) => text += &format!("robot at {}\n", super::mission::place(pose)),

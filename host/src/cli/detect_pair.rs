@@ -35,7 +35,9 @@ pub(super) fn run(args: &DetectArgs, second: &Path, output: Output) -> Result<()
         folder.pictures(&pair_pictures(&seen, args.radius))?;
         folder.pair(&bytes, &others)?;
     }
-    let PairDetection { detection, heights, .. } = seen;
+    let PairDetection { detection, .. } = seen;
+    let heights: Vec<f64> =
+        detection.obstacles.iter().filter_map(|obstacle| obstacle.height).collect();
     let photo = SeenPhoto { bytes, arena, detection, decode_time, detect_time };
     let mut document = detection_document(&photo, args.radius);
     if let Some(fields) = document.as_object_mut() {

@@ -6,7 +6,7 @@ use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::presets::paper_robot;
 use hil_sim::simulation::{Firmware, Simulation, Truth};
-use hil_sim::world::World;
+use hil_sim::world::{self, World};
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,6 +14,7 @@ use wmr::geometry::Pose;
 use wmr::link::drive::TimedPort;
 use wmr::link::reopening::Reopening;
 use wmr::scene::Scene;
+use wmr::shape::Shape;
 
 /// A port to a robot, real or simulated.
 pub(crate) trait Endpoint: TimedPort {
@@ -132,6 +133,17 @@ pub(crate) enum SimulatedRobot {
 }
 
 /// What a simulated robot stands in.
+/// A shape as the simulation knows it.
+fn true_shape(shape: &Shape) -> world::Shape {
+    match shape {
+        Shape::Rect(rect) => world::Shape::Rect((*rect).into()),
+        Shape::Circle(circle) => world::Shape::Circle((*circle).into()),
+        Shape::Polygon(polygon) => {
+            world::Shape::Polygon(polygon.corners().iter().map(|&at| at.into()).collect())
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct SimulatedWorld {
     pub(crate) world: Option<World>,
@@ -144,7 +156,11 @@ impl SimulatedWorld {
     pub(crate) fn new(scene: &Scene, start: Pose, seed: u64) -> Self {
         let world = World {
             size: [scene.arena.width, scene.arena.height],
-            boxes: scene.obstacles.iter().map(|rect| <[f64; 4]>::from(*rect)).collect(),
+            shapes: scene
+                .obstacles
+                .iter()
+                .map(|obstacle| true_shape(&obstacle.footprint))
+                .collect(),
             robot_radius: scene.robot_radius,
         };
         let start = TruePose { x: start.position.x, y: start.position.y, heading: start.heading };

@@ -102,7 +102,7 @@ impl From<PlanError> for CliError {
         let exit = match &error {
             PlanError::Grid(_) => Exit::File,
             PlanError::Unsafe { .. } => Exit::Bug,
-            PlanError::RoundNeedsExact => Exit::Usage,
+            PlanError::DiscNeedsExact => Exit::Usage,
             _ => Exit::NoPath,
         };
         let help = "move an obstacle, or try a smaller --radius or --margin";

@@ -176,9 +176,9 @@ fn read_json(path: &Path, bytes: &[u8]) -> Result<Input, CliError> {
     let format = value.get("format").and_then(serde_json::Value::as_str).unwrap_or_default();
     match format {
         "wmr-plan/1" => Ok(Input::Plan(Box::new(PlanFile::from_json(text)?))),
-        "wmr-scene/1" | "wmr-arena/1" => Ok(Input::Scene(Scene::from_json(text)?)),
+        "wmr-scene/2" | "wmr-scene/1" | "wmr-arena/1" => Ok(Input::Scene(Scene::from_json(text)?)),
         other => Err(not_json(&format!(
-            "its format is {other:?}, not wmr-scene/1, wmr-arena/1 or wmr-plan/1"
+            "its format is {other:?}, not wmr-scene/2, wmr-scene/1, wmr-arena/1 or wmr-plan/1"
         ))),
     }
 }

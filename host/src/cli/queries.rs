@@ -6,7 +6,6 @@ use super::input::Input;
 use super::way::{cost, microseconds, planner, with_radius};
 use serde_json::{Value, json};
 use std::time::Instant;
-use wmr::grid::Margin;
 use wmr::plan::{PlanOptions, PreparedArena};
 
 /// Plans the queries of a scene; an answer or an error each, in their order.
@@ -18,12 +17,12 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
         ));
     };
     let scene = with_radius(scene, args.radius);
-    let margin = Margin::uniform(args.margin.unwrap_or(0.0));
+    let margin = args.margin.unwrap_or(0.0);
     let options = PlanOptions {
         planner: planner(args.planner),
         margin,
         cost: cost(args.cost),
-        inflation: args.inflation.into(),
+        inflation: args.inflation.map(Into::into),
     };
     let began = Instant::now();
     let mut arena = PreparedArena::new(&scene, &options)?;

@@ -8,7 +8,6 @@ use protocol::motion::{Limits, Timing};
 use protocol::units::Seconds;
 use std::time::{Duration, Instant};
 use wmr::geometry::{Point, Pose};
-use wmr::grid::Margin;
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
 use wmr::plan::{
     Cost, DRIVE_MARGINS, MarginPlan, Plan, PlanOptions, Planner, with_margin_fallback,
@@ -62,14 +61,12 @@ pub(crate) fn find(
                 .first()
                 .map(|&position| Pose { position, heading: file.start_heading() });
             let scene = Scene { start, goal, ..file.scene.clone() };
-            plan_way(&with_radius(&scene, args.radius), &[], planner, args, rule, output)
+            plan_way(&with_radius(&scene, args.radius), planner, args, rule, output)
         }
         Input::Scene(scene) => {
-            plan_way(&with_radius(scene, args.radius), &[], planner, args, rule, output)
+            plan_way(&with_radius(scene, args.radius), planner, args, rule, output)
         }
-        Input::Photo(seen) => {
-            plan_way(&seen.scene(args.radius), &seen.detection.margins, planner, args, rule, output)
-        }
+        Input::Photo(seen) => plan_way(&seen.scene(args.radius), planner, args, rule, output),
     }
 }
 
@@ -91,7 +88,6 @@ fn keeps_margin(file: &PlanFile, args: &WayArgs, rule: MarginRule) -> bool {
 
 fn plan_way(
     scene: &Scene,
-    margins: &[[f64; 4]],
     planner: Planner,
     args: &WayArgs,
     rule: MarginRule,
@@ -104,11 +100,11 @@ fn plan_way(
         (None, MarginRule::AsAsked) => &[0.0],
         (None, MarginRule::ForDriving) => &DRIVE_MARGINS,
     };
-    let options = |uniform| PlanOptions {
+    let options = |margin| PlanOptions {
         planner,
-        margin: Margin { uniform, per_obstacle: margins.to_vec() },
+        margin,
         cost: cost(args.cost),
-        inflation: args.inflation.into(),
+        inflation: args.inflation.map(Into::into),
     };
     let began = Instant::now();
     let MarginPlan { plan, margin, preparing, searching } =

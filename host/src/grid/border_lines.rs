@@ -25,10 +25,10 @@ impl BorderLines {
     /// [`GridError::TooManyAreas`] beyond [`AREA_LIMIT`].
     ///
     /// ```
-    /// use wmr::{geometry::Rect, grid::{BorderLines, Margin, enlarge}, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{BorderLines, enlarge}, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
-    /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
-    /// let lines = BorderLines::of(&enlarge(&scene, &Margin::default())?)?;
+    /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5).into());
+    /// let lines = BorderLines::of(&enlarge(&scene, 0.0)?)?;
     /// assert_eq!(lines.xs, [0, 750, 3250, 6750, 9250, 10_000]);
     /// assert_eq!(lines.ys, [0, 750, 5750, 9250, 10_000]);
     /// # Ok::<(), wmr::grid::GridError>(())
@@ -120,11 +120,9 @@ mod tests {
     use super::*;
 
     fn arena(boxes: &[[i32; 4]]) -> EnlargedArena {
-        EnlargedArena {
-            border: LatticeRect::new(0, 0, 10, 10),
-            inside: LatticeRect::new(1, 1, 9, 9),
-            boxes: boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect(),
-        }
+        let (border, inside) = (LatticeRect::new(0, 0, 10, 10), LatticeRect::new(1, 1, 9, 9));
+        let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
+        EnlargedArena::new(border, inside, boxes)
     }
 
     #[test]

@@ -1,29 +1,20 @@
-//! Grows the obstacles by the robot's radius, so that the robot becomes a point [Alghannam, Sec. II-B].
+//! Inflates the obstacles by the robot's radius, so that the robot becomes a point
+//! [Alghannam, Sec. II-B].
 //!
 //! The paper's segment method lengthens every run of obstacle pixels in a row or column by the
 //! radius at both ends; on rectangles that moves each edge out by the radius and keeps the corners
-//! square. The arena's own borders move in by as much. Metres in, lattice units out.
+//! square. Any other shape is first covered by rectangles, as its pixels would be, and each of them is
+//! inflated. The arena's own borders move in by as much. Metres in, lattice units out.
 
 use super::{GridError, LatticeRect};
 use crate::geometry::Rect;
-use crate::scene::Scene;
+use crate::scene::{Obstacle, Scene};
 
-/// Distance to keep beyond the robot's radius, metres.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Margin {
-    /// Around every obstacle and inside the arena's border.
-    pub uniform: f64,
-    /// In addition, how much further out each edge `[left, lower, right, upper]` of an obstacle may
-    /// lie, by the obstacle's index; obstacles beyond the end of the list have none.
-    pub per_obstacle: Vec<[f64; 4]>,
-}
+/// The height of the rectangles that cover a shape, metres: what a picture of 100 pixels a metre shows.
+const COVER_STEP: f64 = 0.01;
 
-impl Margin {
-    /// The same `metres` everywhere.
-    pub fn uniform(metres: f64) -> Self {
-        Self { uniform: metres, per_obstacle: Vec::new() }
-    }
-}
+/// The most rows of rectangles that cover one shape; a larger shape has higher ones.
+const COVER_ROWS: f64 = 64.0;
 
 /// The arena as a point robot sees it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,27 +23,39 @@ pub struct EnlargedArena {
     pub border: LatticeRect,
     /// Where the robot's centre may be as far as the border is concerned.
     pub inside: LatticeRect,
-    /// The grown obstacles in the scene's order; they may overlap and reach beyond the border.
+    /// The inflated obstacles in the scene's order; they may overlap and reach beyond the border.
     pub boxes: Vec<LatticeRect>,
+    /// By box: the index of the obstacle in the scene that it is a part of.
+    pub owners: Vec<usize>,
 }
 
-/// Grows the obstacles of `scene` by its robot radius and `margin`, and shrinks the border by as much.
+impl EnlargedArena {
+    /// The arena whose obstacles are one inflated box each.
+    pub fn new(border: LatticeRect, inside: LatticeRect, boxes: Vec<LatticeRect>) -> Self {
+        Self { border, inside, owners: (0..boxes.len()).collect(), boxes }
+    }
+}
+
+/// Inflates the obstacles of `scene` by its robot radius, `margin` (metres) and their own margins, and
+/// shrinks the border by radius and margin.
 ///
 /// # Errors
 /// [`GridError`] if a coordinate is too large, a margin is no distance, or the robot does not fit
 /// between the borders.
 ///
 /// ```
-/// use wmr::{geometry::Rect, grid::{LatticeRect, Margin, enlarge}, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticeRect, enlarge}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6));
-/// let arena = enlarge(&scene, &Margin::default())?;
+/// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6).into());
+/// let arena = enlarge(&scene, 0.0)?;
 /// assert_eq!(arena.boxes, [LatticeRect::new(3250, 3250, 6750, 6750)]);
 /// # Ok::<(), wmr::grid::GridError>(())
 /// ```
-pub fn enlarge(scene: &Scene, margin: &Margin) -> Result<EnlargedArena, GridError> {
-    check(margin)?;
-    let by = scene.robot_radius + margin.uniform;
+pub fn enlarge(scene: &Scene, margin: f64) -> Result<EnlargedArena, GridError> {
+    if !(margin.is_finite() && margin >= 0.0) {
+        return Err(GridError::Margin { metres: margin });
+    }
+    let by = scene.robot_radius + margin;
     let floor = Rect::new(0.0, 0.0, scene.arena.width, scene.arena.height);
     let too_large = |rect: Rect| GridError::TooLarge { rect };
     let border = LatticeRect::outwards(floor, [0.0; 4]).ok_or(too_large(floor))?;
@@ -60,32 +63,39 @@ pub fn enlarge(scene: &Scene, margin: &Margin) -> Result<EnlargedArena, GridErro
     if !inside.has_area() {
         return Err(GridError::ArenaTooSmall { arena: scene.arena, need: 2.0 * by });
     }
-    let grow = |(index, &rect): (usize, &Rect)| {
-        let own = margin.per_obstacle.get(index).copied().unwrap_or_default();
-        LatticeRect::outwards(rect, own.map(|edge| edge + by)).ok_or(too_large(rect))
+    let mut arena = EnlargedArena {
+        border,
+        inside,
+        boxes: Vec::with_capacity(scene.obstacles.len()),
+        owners: Vec::with_capacity(scene.obstacles.len()),
     };
-    let boxes = scene.obstacles.iter().enumerate().map(grow).collect::<Result<_, _>>()?;
-    Ok(EnlargedArena { border, inside, boxes })
+    for (owner, obstacle) in scene.obstacles.iter().enumerate() {
+        let by = obstacle.margin.map(|edge| edge + by);
+        for rect in cover(obstacle) {
+            arena.boxes.push(LatticeRect::outwards(rect, by).ok_or(too_large(rect))?);
+            arena.owners.push(owner);
+        }
+    }
+    Ok(arena)
 }
 
-fn check(margin: &Margin) -> Result<(), GridError> {
-    let all = margin.per_obstacle.iter().flatten().chain([&margin.uniform]);
-    match all.copied().find(|metres| !(metres.is_finite() && *metres >= 0.0)) {
-        Some(metres) => Err(GridError::Margin { metres }),
-        None => Ok(()),
-    }
+fn cover(obstacle: &Obstacle) -> Vec<Rect> {
+    let bounds = obstacle.footprint.bounds();
+    obstacle.footprint.cover(COVER_STEP.max((bounds.y1 - bounds.y0) / COVER_ROWS))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
+    use crate::shape::Polygon;
 
     #[test]
     fn each_edge_moves_by_radius_margin_and_its_own_uncertainty() {
         let mut scene = Scene::new(2.0, 1.0);
-        scene.obstacles.push(Rect::new(1.0, 0.4, 1.2, 0.5));
-        let margin = Margin { uniform: 0.01, per_obstacle: vec![[0.001, 0.002, 0.003, 0.004]] };
-        let arena = enlarge(&scene, &margin).unwrap();
+        let margin = [0.001, 0.002, 0.003, 0.004];
+        scene.obstacles.push(Obstacle { margin, ..Rect::new(1.0, 0.4, 1.2, 0.5).into() });
+        let arena = enlarge(&scene, 0.01).unwrap();
         assert_eq!(arena.boxes, [LatticeRect::new(9140, 3130, 12880, 5890)]);
         assert_eq!(arena.inside, LatticeRect::new(850, 850, 19150, 9150));
         assert_eq!(arena.border, LatticeRect::new(0, 0, 20_000, 10_000));
@@ -93,13 +103,26 @@ mod tests {
 
     #[test]
     fn a_robot_wider_than_the_arena_is_refused_with_both_sizes() {
-        let error = enlarge(&Scene::new(2.0, 0.15), &Margin::default()).unwrap_err();
+        let error = enlarge(&Scene::new(2.0, 0.15), 0.0).unwrap_err();
         assert!(error.to_string().contains("15.0 cm"), "{error}");
     }
 
     #[test]
     fn a_negative_margin_is_refused() {
-        let error = enlarge(&Scene::new(2.0, 2.0), &Margin::uniform(-0.01)).unwrap_err();
+        let error = enlarge(&Scene::new(2.0, 2.0), -0.01).unwrap_err();
         assert!(matches!(error, GridError::Margin { metres: -0.01 }));
+    }
+
+    #[test]
+    fn a_turned_shape_is_covered_row_by_row_and_each_row_is_inflated() {
+        let mut scene = Scene::new(2.0, 1.0);
+        let corners = [[1.0, 0.4], [1.02, 0.4], [1.0, 0.42]].map(Point::from).to_vec();
+        scene.obstacles.push(Polygon::new(corners).unwrap().into());
+        let arena = enlarge(&scene, 0.0).unwrap();
+        let rows = [
+            LatticeRect::new(9250, 3250, 10_950, 4850),
+            LatticeRect::new(9250, 3350, 10_850, 4950),
+        ];
+        assert_eq!((arena.boxes.as_slice(), arena.owners.as_slice()), (&rows[..], &[0, 0][..]));
     }
 }

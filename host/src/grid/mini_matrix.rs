@@ -62,10 +62,10 @@ impl MiniMatrix {
     /// [`GridError::TooManyAreas`] if the grid would not fit into memory.
     ///
     /// ```
-    /// use wmr::{geometry::Rect, grid::{Margin, MiniMatrix, enlarge}, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{MiniMatrix, enlarge}, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
-    /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
-    /// let matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
+    /// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5).into());
+    /// let matrix = MiniMatrix::from_borders(&enlarge(&scene, 0.0)?)?;
     /// assert_eq!(matrix.elements(), [
     ///     [0, 0, 0, 0, 0],
     ///     [0, 1, 1, 1, 0],
@@ -220,7 +220,7 @@ mod tests {
     fn matrix(boxes: &[[i32; 4]]) -> MiniMatrix {
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
         let whole = LatticeRect::new(0, 0, 6, 6);
-        MiniMatrix::from_borders(&EnlargedArena { border: whole, inside: whole, boxes }).unwrap()
+        MiniMatrix::from_borders(&EnlargedArena::new(whole, whole, boxes)).unwrap()
     }
 
     #[test]

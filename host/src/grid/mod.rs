@@ -15,7 +15,7 @@ mod mini_matrix;
 mod traps;
 
 pub use border_lines::{AREA_LIMIT, BorderLines};
-pub use enlarge::{EnlargedArena, Margin, enlarge};
+pub use enlarge::{EnlargedArena, enlarge};
 pub use lattice::{COORDINATE_LIMIT, LatticePoint, LatticeRect, UNITS_PER_METRE, turn};
 pub use mini_matrix::{Area, AreaKind, MiniMatrix};
 pub use traps::close_traps;

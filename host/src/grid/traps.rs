@@ -17,10 +17,10 @@ const ALMOST_SURROUNDED: usize = 6;
 /// Closes traps until nothing changes and returns them in the order of closing.
 ///
 /// ```
-/// use wmr::{geometry::{Point, Rect}, grid::{Margin, MiniMatrix, close_traps, enlarge}, scene::Scene};
+/// use wmr::{geometry::{Point, Rect}, grid::{MiniMatrix, close_traps, enlarge}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5)); // leaves a dead end on either side
-/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
+/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5).into()); // leaves a dead end on either side
+/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, 0.0)?)?;
 /// let closed: Vec<usize> = close_traps(&mut matrix).iter().map(|area| area.number()).collect();
 /// assert_eq!(closed[..2], [12, 14]);
 /// # Ok::<(), wmr::grid::GridError>(())
@@ -61,7 +61,7 @@ mod tests {
     fn matrix(size: i32, boxes: &[[i32; 4]]) -> MiniMatrix {
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
         let whole = LatticeRect::new(0, 0, size, size);
-        MiniMatrix::from_borders(&EnlargedArena { border: whole, inside: whole, boxes }).unwrap()
+        MiniMatrix::from_borders(&EnlargedArena::new(whole, whole, boxes)).unwrap()
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod ros;
 pub use ros::{MapWarning, RosHead, RosMap};
 
 use crate::geometry::{Point, Rect};
-use crate::scene::{Scene, SceneFormat};
+use crate::scene::{Obstacle, Scene, SceneFormat};
 
 /// Cells that are blocked or free.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl CellMap {
     /// use wmr::{geometry::Rect, map::CellMap};
     /// let map = CellMap::from_movingai("type octile\nheight 2\nwidth 3\nmap\n.@@\n.@@\n", 0.5)?;
     /// let scene = map.to_scene(0.1);
-    /// assert_eq!(scene.obstacles, [Rect::new(0.5, 0.0, 1.5, 1.0)]);
+    /// assert_eq!(scene.obstacles, [Rect::new(0.5, 0.0, 1.5, 1.0).into()]);
     /// # Ok::<(), wmr::map::MapError>(())
     /// ```
     pub fn to_scene(&self, robot_radius: f64) -> Scene {
@@ -93,7 +93,8 @@ impl CellMap {
         // Runs whose rectangle may still grow downwards: first and last column, first row.
         let mut open: Vec<(usize, usize, usize)> = Vec::new();
         let rect = |(first, last, top): (usize, usize, usize), bottom: usize| {
-            Rect::new(size(first), size(self.rows - bottom), size(last), size(self.rows - top))
+            let (low, high) = (size(self.rows - bottom), size(self.rows - top));
+            Obstacle::from(Rect::new(size(first), low, size(last), high))
         };
         for row in 0..self.rows {
             let runs = self.runs(row);
@@ -132,7 +133,7 @@ impl CellMap {
     /// ```
     /// use wmr::{geometry::Rect, map::CellMap, scene::Scene};
     /// let mut scene = Scene::new(0.3, 0.2);
-    /// scene.obstacles.push(Rect::new(0.0, 0.0, 0.15, 0.1));
+    /// scene.obstacles.push(Rect::new(0.0, 0.0, 0.15, 0.1).into());
     /// let map = CellMap::from_scene(&scene, 0.1);
     /// assert_eq!(map.to_movingai(), "type octile\nheight 2\nwidth 3\nmap\n...\n@@.\n");
     /// ```
@@ -142,7 +143,7 @@ impl CellMap {
         let down = |metres: f64| (metres / resolution + MEANT_WHOLE).floor().max(0.0) as usize;
         let (columns, rows) = (up(scene.arena.width).max(1), up(scene.arena.height).max(1));
         let mut blocked = vec![false; columns * rows];
-        for rect in &scene.obstacles {
+        for rect in scene.obstacles.iter().flat_map(|of| of.footprint.cover(resolution)) {
             let across = down(rect.x0).min(columns)..up(rect.x1).min(columns);
             for level in down(rect.y0).min(rows)..up(rect.y1).min(rows) {
                 if !across.is_empty() {
@@ -174,7 +175,7 @@ mod tests {
             let map = CellMap { columns, rows: 7, resolution: 0.05, blocked, origin: [0.0; 2] };
             let scene = map.to_scene(0.0);
             prop_assert_eq!(&CellMap::from_scene(&scene, 0.05), &map);
-            let area: f64 = scene.obstacles.iter().map(|r| (r.x1 - r.x0) * (r.y1 - r.y0)).sum();
+            let area: f64 = scene.obstacles.iter().map(|of| of.footprint.area()).sum();
             let count = map.blocked.iter().filter(|&&blocked| blocked).count() as f64;
             prop_assert!((area - count * 0.05 * 0.05).abs() < 1e-9, "rectangles overlap");
         }

@@ -4,7 +4,7 @@ use super::svg::{Svg, Swatch, TITLE_HEIGHT};
 use crate::geometry::{Arena, Point, Rect};
 use crate::grid::{LatticePoint, LatticeRect};
 use crate::scene::Scene;
-use std::f64::consts::FRAC_PI_2;
+use crate::shape::Shape;
 
 /// The longer side of the floor in a picture, pixels.
 const FLOOR_SIZE: f64 = 760.0;
@@ -35,9 +35,41 @@ impl Floor {
 
     /// The true obstacles, cut off at the arena's border.
     pub(super) fn obstacles(&mut self, scene: &Scene) {
-        for rect in &scene.obstacles {
-            self.rect(*rect, "obstacle");
+        for obstacle in &scene.obstacles {
+            self.shape(&obstacle.footprint, "obstacle");
         }
+    }
+
+    /// A shape, cut off at the arena's border.
+    pub(super) fn shape(&mut self, shape: &Shape, class: &str) {
+        match shape {
+            Shape::Rect(rect) => self.rect(*rect, class),
+            shape => self.polygon(&shape.outline(), class),
+        }
+    }
+
+    /// What a closed outline encloses of the arena.
+    pub(super) fn polygon(&mut self, outline: &[Point], class: &str) {
+        let (width, height) = (self.arena.width, self.arena.height);
+        // Cut off at one side after the other (Sutherland and Hodgman).
+        let inward: [fn(Point, f64, f64) -> f64; 4] =
+            [|p, _, _| p.x, |p, _, _| p.y, |p, width, _| width - p.x, |p, _, height| height - p.y];
+        let mut cut = outline.to_vec();
+        for depth in inward {
+            let depth = |p: Point| depth(p, width, height);
+            let edges = cut.iter().copied().zip(cut.iter().copied().cycle().skip(1));
+            cut = edges
+                .flat_map(|(a, b)| {
+                    let share = depth(a) / (depth(a) - depth(b));
+                    let crossing = Point::new(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y));
+                    let is_cut = (depth(a) < 0.0) != (depth(b) < 0.0);
+                    [(depth(a) >= 0.0).then_some(a), is_cut.then_some(crossing)]
+                })
+                .flatten()
+                .collect();
+        }
+        let pixels: Vec<(f64, f64)> = cut.iter().map(|&point| self.pixel(point)).collect();
+        self.svg.polygon(&pixels, class);
     }
 
     pub(super) fn rect(&mut self, rect: Rect, class: &str) {
@@ -47,29 +79,6 @@ impl Floor {
         let size = ((x1 - x0) * self.scale, (y1 - y0) * self.scale);
         let corner = self.pixel(Point::new(x0, y1));
         self.svg.rect(corner, size, class);
-    }
-
-    /// `rect` with corners of `radius` metres, cut off at the arena's border.
-    pub(super) fn rounded(&mut self, rect: Rect, radius: f64, class: &str) {
-        const POINTS_PER_CORNER: u32 = 9;
-        let centres = [
-            (rect.x1 - radius, rect.y1 - radius),
-            (rect.x0 + radius, rect.y1 - radius),
-            (rect.x0 + radius, rect.y0 + radius),
-            (rect.x1 - radius, rect.y0 + radius),
-        ];
-        let (width, height) = (self.arena.width, self.arena.height);
-        let corner = |(quarter, (x, y)): (usize, (f64, f64))| {
-            (0..POINTS_PER_CORNER).map(move |index| {
-                let part = f64::from(index) / f64::from(POINTS_PER_CORNER - 1);
-                let angle = FRAC_PI_2 * (quarter as f64 + part);
-                let (x, y) = (x + radius * angle.cos(), y + radius * angle.sin());
-                Point::new(x.clamp(0.0, width), y.clamp(0.0, height))
-            })
-        };
-        let mut outline: Vec<Point> = centres.into_iter().enumerate().flat_map(corner).collect();
-        outline.extend(outline.first().copied());
-        self.polyline(&outline, class);
     }
 
     pub(super) fn polyline(&mut self, points: &[Point], class: &str) {

@@ -63,7 +63,7 @@ fn shade(scene: &Scene, point: Point) -> u8 {
     if out > 0.0 {
         return TAPE;
     }
-    if scene.obstacles.iter().any(|rect| rect.contains(point)) {
+    if scene.obstacles.iter().any(|obstacle| obstacle.footprint.contains(point)) {
         return BOX;
     }
     match scene.start {
@@ -92,7 +92,7 @@ mod tests {
     fn an_edge_between_two_pixels_is_a_shade() {
         let mut scene = Scene::new(1.0, 1.0);
         // 0.14 m of surroundings are 14 pixels; the box ends half-way through pixel 64.
-        scene.obstacles.push(Rect::new(0.2, 0.2, 0.505, 0.8));
+        scene.obstacles.push(Rect::new(0.2, 0.2, 0.505, 0.8).into());
         let picture =
             image::load_from_memory(&overhead_png(&scene, 100.0).unwrap()).unwrap().into_luma8();
         let middle = (u32::from(BOX) + u32::from(FLOOR)) / 2;

@@ -4,9 +4,9 @@
 use super::floor::{Floor, metres};
 use super::grid::grown;
 use super::svg::{Svg, Swatch};
-use crate::geometry::Point;
+use crate::geometry::{Arena, Point, Rect};
 use crate::grid::{LatticePoint, enlarge};
-use crate::plan::{GridStages, Inflation, PathTree, Plan, PlanOptions, Planner};
+use crate::plan::{GridStages, Inflation, PathTree, Plan, PlanOptions, Planner, inflated_contours};
 use crate::scene::Scene;
 
 /// Global paths drawn of a tree; more would not be read.
@@ -175,17 +175,22 @@ fn grown_obstacles(
     options: &PlanOptions,
     legend: &mut Vec<(Swatch, &str)>,
 ) {
-    let Ok(arena) = enlarge(scene, &options.margin) else { return };
-    match options.inflation {
-        Inflation::Square => grown(floor, &arena),
-        Inflation::Disc => {
-            let radius = scene.robot_radius + options.margin.uniform;
-            arena.boxes.iter().for_each(|&rect| floor.rounded(metres(rect), radius, "grown"));
-        }
+    let fill = match options.inflation_for(scene) {
+        Inflation::Square => "grown",
+        Inflation::Disc => "inflated",
+    };
+    if fill == "grown" {
+        let Ok(arena) = enlarge(scene, options.margin) else { return };
+        grown(floor, &arena);
+    } else {
+        let contours = inflated_contours(scene, options.margin).unwrap_or_default();
+        contours.iter().for_each(|contour| floor.polygon(contour, fill));
     }
-    floor.rect(metres(arena.inside), "inside");
+    let by = scene.robot_radius + options.margin;
+    let Arena { width, height } = scene.arena;
+    floor.rect(Rect::new(by, by, width - by, height - by), "inside");
     legend.extend([
-        (Swatch::Fill("grown"), "grown by the radius and margin"),
+        (Swatch::Fill(fill), "grown by the radius and margin"),
         (Swatch::Line("inside"), "border shrunk by both"),
     ]);
 }
@@ -253,18 +258,19 @@ mod tests {
         let stages = plan.grid.unwrap();
         assert_eq!(dots("dropped"), stages.entry_exit_points.len() - stages.kept.len());
     }
+
     #[test]
     fn an_exact_way_is_drawn_with_the_grown_boxes_as_they_grew() {
         let (scene, _) = paper();
         let (start, goal) = (scene.start.unwrap().position, scene.goal.unwrap().position);
         let drawn = |inflation: Inflation| {
-            let options = PlanOptions { inflation, ..Default::default() };
+            let options = PlanOptions { inflation: Some(inflation), ..Default::default() };
             path(&scene, &plan(&scene, start, goal, &options).unwrap(), &options)
         };
         let (square, round) = (drawn(Inflation::Square), drawn(Inflation::Disc));
-        let grown = |svg: &str| svg.matches("class=\"grown\"").count();
-        assert_eq!((grown(&square), grown(&round)), (5, 5), "four obstacles and the legend");
-        let lines = |svg: &str| svg.matches("<polyline").count();
-        assert_eq!(lines(&round), lines(&square) + 4);
+        let count = |svg: &str, what: &str| svg.matches(what).count();
+        assert_eq!(count(&square, "class=\"grown\""), 5, "four obstacles and the legend");
+        assert_eq!(count(&round, "class=\"inflated\""), 5);
+        assert_eq!(count(&round, "<polygon"), 4);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! All in the plan view, x to the right and y up, with a margin around the arena into which tops lean.
 
-use super::vision::{NamedPicture, colour_picture, embedded, robot, shape};
+use super::vision::{NamedPicture, colour_picture, embedded, outlined, robot, shape};
 use crate::geometry::{Point, Rect};
 use crate::vision::{PairDetection, PairSteps, PlanFrame, Raster, srgb_code};
 use std::fmt::Write;
@@ -12,7 +12,6 @@ const DRAWN_SCALE: f64 = 400.0;
 /// The colours of the drawn pictures.
 const FOOTPRINT: &str = "#d1495b";
 const TOP: &str = "#edae49";
-const MARGIN: &str = "#edae49";
 
 /// All pictures of the steps, in the order of the flow; none if the steps were not kept.
 pub fn pair_pictures(seen: &PairDetection, robot_radius: f64) -> Vec<NamedPicture> {
@@ -78,23 +77,14 @@ pub fn boxes_picture(steps: &PairSteps, eye: usize) -> String {
 pub fn obstacles_picture(seen: &PairDetection, steps: &PairSteps, robot_radius: f64) -> String {
     let mut svg = opened(&steps.frame, &plan_view(&steps.views[0]));
     let detection = &seen.detection;
-    for ((&obstacle, &[left, lower, right, upper]), height) in
-        detection.obstacles.iter().zip(&detection.margins).zip(&seen.heights)
-    {
-        let Rect { x0, y0, x1, y1 } = obstacle;
-        let wide = Rect::new(x0 - left, y0 - lower, x1 + right, y1 + upper);
-        rect(&mut svg, &steps.frame, wide, &format!("fill=\"{MARGIN}\" fill-opacity=\"0.5\""));
-        rect(
-            &mut svg,
-            &steps.frame,
-            obstacle,
-            &format!("fill=\"{FOOTPRINT}\" fill-opacity=\"0.55\""),
-        );
+    for obstacle in &detection.obstacles {
+        outlined(&mut svg, obstacle, DRAWN_SCALE, |point| drawn(&steps.frame, point));
+        let Rect { x0, y0, x1, y1 } = obstacle.footprint.bounds();
         let (x, y) = drawn(&steps.frame, Point::new((x0 + x1) / 2.0, (y0 + y1) / 2.0));
         let _ = writeln!(
             svg,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-family=\"sans-serif\" font-size=\"16\" text-anchor=\"middle\" fill=\"#ffffff\">{:.0} cm</text>",
-            100.0 * height
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-family=\"sans-serif\" font-size=\"16\" text-anchor=\"middle\" fill=\"#8c1c2e\">{:.0} cm</text>",
+            100.0 * obstacle.height.unwrap_or_default()
         );
     }
     if let Some(pose) = detection.robot {

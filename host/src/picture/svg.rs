@@ -17,7 +17,7 @@ text{font-family:'DejaVu Sans','Segoe UI',Helvetica,Arial,sans-serif;fill:#2b2f3
 .title{font-size:19px;font-weight:bold}.subtitle{font-size:13px;fill:#5d6470}\
 .legend{font-size:13px}.number{fill:#7c8491}.element{font-weight:bold}\
 .page{fill:#faf9f6}.floor{fill:#ffffff;stroke:#2b2f36;stroke-width:2}\
-.obstacle{fill:#5d6470}.grown{fill:#e3e0d8;stroke:#a9a496;stroke-width:1}\
+.obstacle{fill:#5d6470}.grown{fill:#e3e0d8;stroke:#a9a496;stroke-width:1}.inflated{fill:#e3e0d8}\
 .inside{fill:none;stroke:#a9a496;stroke-width:1.2;stroke-dasharray:6 4}\
 .border-line{stroke:#e0559a;stroke-width:1.4}.area{stroke:#e0559a;stroke-width:.6;fill:#ffffff}\
 .dead{fill:#dedbd3}.live{fill:#eef6ee}.terminal{fill:#ffe9a8}.trap{fill:#f3b3ad}.chosen{fill:#dbe8fb}\
@@ -73,12 +73,21 @@ impl Svg {
 
     /// A line through `points`.
     pub fn polyline(&mut self, points: &[(f64, f64)], class: &str) {
+        self.points("polyline", points, class);
+    }
+
+    fn points(&mut self, element: &str, points: &[(f64, f64)], class: &str) {
         let mut list = String::new();
         for (x, y) in points {
             // Writing into a string cannot fail.
             let _ = write!(list, "{x:.2},{y:.2} ");
         }
-        self.add(format_args!("<polyline points=\"{}\" class=\"{class}\"/>", list.trim_end()));
+        self.add(format_args!("<{element} points=\"{}\" class=\"{class}\"/>", list.trim_end()));
+    }
+
+    /// A filled polygon with these corners.
+    pub fn polygon(&mut self, corners: &[(f64, f64)], class: &str) {
+        self.points("polygon", corners, class);
     }
 
     /// A circle.

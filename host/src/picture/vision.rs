@@ -2,7 +2,8 @@
 //!
 //! Every picture is in the plan view, x to the right and y up, so that they can be laid side by side.
 
-use crate::geometry::{Arena, Point, Pose, Rect};
+use crate::geometry::{Arena, Point, Pose};
+use crate::scene::Obstacle;
 use crate::vision::{Detection, Raster, Steps};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::fmt::Write;
@@ -76,29 +77,51 @@ pub fn grey_picture(codes: &Raster<u8>) -> Vec<u8> {
 pub fn obstacles_picture(detection: &Detection, steps: &Steps, robot_radius: f64) -> String {
     let arena = steps.frame.arena;
     let mut svg = opened(arena, &plan_view_picture(steps));
-    for (&obstacle, &[left, lower, right, upper]) in
-        detection.obstacles.iter().zip(&detection.margins)
-    {
-        let Rect { x0, y0, x1, y1 } = obstacle;
-        rect(
-            &mut svg,
-            arena,
-            Rect::new(x0 - left, y0 - lower, x1 + right, y1 + upper),
-            &format!("fill=\"{MARGIN}\" fill-opacity=\"0.5\""),
-        );
-        rect(
-            &mut svg,
-            arena,
-            obstacle,
-            &format!(
-                "fill=\"{OBSTACLE}\" fill-opacity=\"0.55\" stroke=\"{OBSTACLE}\" stroke-width=\"2\""
-            ),
-        );
+    for obstacle in &detection.obstacles {
+        outlined(&mut svg, obstacle, DRAWN_SCALE, |point| drawn(arena, point));
     }
     if let Some(pose) = detection.robot {
         robot(&mut svg, |point| drawn(arena, point), pose, robot_radius * DRAWN_SCALE);
     }
     svg + "</svg>\n"
+}
+
+/// One obstacle over a picture: a light tint with a clear outline, so that what lies under it can be
+/// checked, and a dashed line as far out as its edges may lie.
+pub(super) fn outlined(
+    svg: &mut String,
+    obstacle: &Obstacle,
+    scale: f64,
+    drawn: impl Fn(Point) -> (f64, f64),
+) {
+    let mut polygon = |corners: &[Point], style: &str| {
+        let _ = write!(svg, "<polygon points=\"");
+        for (x, y) in corners.iter().map(|&corner| drawn(corner)) {
+            let _ = write!(svg, "{x:.1},{y:.1} ");
+        }
+        let _ = writeln!(svg, "\" {style}/>");
+    };
+    match obstacle.footprint.as_rect() {
+        Some(rect) => polygon(
+            &rect.widened(obstacle.margin).corners(),
+            &format!(
+                "fill=\"none\" stroke=\"{MARGIN}\" stroke-width=\"2\" stroke-dasharray=\"6 4\""
+            ),
+        ),
+        None => polygon(
+            &obstacle.footprint.outline(),
+            &format!(
+                "fill=\"none\" stroke=\"{MARGIN}\" stroke-opacity=\"0.5\" stroke-linejoin=\"round\" stroke-width=\"{:.1}\"",
+                2.0 * obstacle.largest_margin() * scale
+            ),
+        ),
+    }
+    polygon(
+        &obstacle.footprint.outline(),
+        &format!(
+            "fill=\"{OBSTACLE}\" fill-opacity=\"0.2\" stroke=\"{OBSTACLE}\" stroke-width=\"2.5\""
+        ),
+    );
 }
 
 /// The borders of the enlarged obstacles over the plan view, in the paper's pink, as SVG.
@@ -148,16 +171,6 @@ pub(super) fn embedded((width, height): (f64, f64), png: &[u8]) -> String {
         <image width=\"{width:.1}\" height=\"{height:.1}\" href=\"data:image/png;base64,{}\"/>\n",
         base64(png)
     )
-}
-
-fn rect(svg: &mut String, arena: Arena, rect: Rect, style: &str) {
-    let place = drawn(arena, Point::new(rect.x0, rect.y1));
-    shape(
-        svg,
-        place,
-        ((rect.x1 - rect.x0) * DRAWN_SCALE, (rect.y1 - rect.y0) * DRAWN_SCALE),
-        style,
-    );
 }
 
 /// A rectangle by its upper left corner and size, pixels.

@@ -1,9 +1,10 @@
 //! How far a path keeps from the true obstacles and the arena's border, metres.
 
-use super::box_index::BoxIndex;
+use super::LegTest;
 use crate::geometry::{Point, Rect};
-use crate::grid::{LatticeRect, UNITS_PER_METRE};
-use crate::scene::Scene;
+use crate::grid::{EnlargedArena, LatticeRect, UNITS_PER_METRE};
+use crate::scene::{Obstacle, Scene};
+use crate::shape::Shape;
 
 /// The least distance of the path over `waypoints` to the obstacles and the border of `scene`,
 /// metres; 0 if it touches or crosses one, negative beyond the border.
@@ -11,7 +12,7 @@ use crate::scene::Scene;
 /// ```
 /// use wmr::{geometry::{Point, Rect}, plan::clearance, scene::Scene};
 /// let mut scene = Scene::new(2.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.9, 0.0, 1.1, 0.5));
+/// scene.obstacles.push(Rect::new(0.9, 0.0, 1.1, 0.5).into());
 /// let path = [Point::new(0.3, 0.7), Point::new(1.7, 0.7)];
 /// assert!((clearance(&path, &scene) - 0.2).abs() < 1e-12);
 /// ```
@@ -21,15 +22,22 @@ pub fn clearance(waypoints: &[Point], scene: &Scene) -> f64 {
         .fold(to_border(waypoints, scene), |least, leg| nearest(leg, scene.obstacles.iter(), least))
 }
 
-/// As [`clearance`], looking only at obstacles that the `index` of their grown boxes finds nearby.
-pub(super) fn clearance_by(index: &BoxIndex, waypoints: &[Point], scene: &Scene) -> f64 {
+/// As [`clearance`], looking only at obstacles whose boxes in `arena` the index of `test` finds nearby.
+pub(super) fn clearance_by(
+    test: &LegTest,
+    arena: &EnlargedArena,
+    waypoints: &[Point],
+    scene: &Scene,
+) -> f64 {
     let mut least = to_border(waypoints, scene);
     for leg in waypoints.windows(2) {
         // Most legs touch a grown box; where nothing is that near, look twice as far around.
         let mut reach = 2.0 * scene.robot_radius + LEAST_REACH;
         loop {
             let around = range(leg, reach.min(least));
-            let near = index.near(around).filter_map(|number| scene.obstacles.get(number));
+            let owner = |number: usize| arena.owners.get(number);
+            let near = test.index().near(around).filter_map(owner);
+            let near = near.filter_map(|&number| scene.obstacles.get(number));
             least = nearest(leg, near, least);
             if least <= reach {
                 break;
@@ -50,12 +58,19 @@ fn to_border(waypoints: &[Point], scene: &Scene) -> f64 {
 }
 
 /// The least of `least` and the distances between the leg and the obstacles.
-fn nearest<'a>(leg: &[Point], obstacles: impl Iterator<Item = &'a Rect>, least: f64) -> f64 {
+fn nearest<'a>(leg: &[Point], obstacles: impl Iterator<Item = &'a Obstacle>, least: f64) -> f64 {
     let &[a, b] = leg else { return least };
     // A negative distance, beyond the border, is not made less by an obstacle.
     let bound = least.max(0.0);
-    let square = obstacles.fold(bound * bound, |square, rect| {
-        if span_square(a, b, rect) < square { square.min(leg_square(a, b, rect)) } else { square }
+    let square = obstacles.fold(bound * bound, |square, obstacle| {
+        let bounds = obstacle.footprint.bounds();
+        if span_square(a, b, &bounds) >= square {
+            return square;
+        }
+        square.min(match &obstacle.footprint {
+            Shape::Rect(rect) => leg_square(a, b, rect),
+            shape => shape.leg_distance(a, b).powi(2),
+        })
     });
     if square < bound * bound { square.sqrt() } else { least }
 }
@@ -79,11 +94,6 @@ fn span_square(a: Point, b: Point, rect: &Rect) -> f64 {
     let dx = (rect.x0 - a.x.max(b.x)).max(a.x.min(b.x) - rect.x1).max(0.0);
     let dy = (rect.y0 - a.y.max(b.y)).max(a.y.min(b.y) - rect.y1).max(0.0);
     dx * dx + dy * dy
-}
-
-/// The distance between a straight leg and a rectangle, metres.
-pub(super) fn leg_distance(a: Point, b: Point, rect: &Rect) -> f64 {
-    leg_square(a, b, rect).sqrt()
 }
 
 /// The square of the distance between a straight leg and a rectangle.
@@ -126,15 +136,15 @@ fn point_to_leg(point: Point, a: Point, b: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Margin, enlarge};
+    use crate::grid::enlarge;
     use proptest::prelude::*;
 
     #[test]
     fn a_leg_past_a_corner_is_as_near_as_the_corner() {
         let rect = Rect::new(0.0, 0.0, 1.0, 1.0);
-        let distance = leg_distance(Point::new(1.0, 3.0), Point::new(3.0, 1.0), &rect);
-        assert!((distance - 2_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(leg_distance(Point::new(-1.0, 0.5), Point::new(2.0, 0.5), &rect), 0.0);
+        let square = leg_square(Point::new(1.0, 3.0), Point::new(3.0, 1.0), &rect);
+        assert!((square - 2.0).abs() < 1e-12);
+        assert_eq!(leg_square(Point::new(-1.0, 0.5), Point::new(2.0, 0.5), &rect), 0.0);
     }
 
     proptest! {
@@ -144,11 +154,11 @@ mod tests {
             path in proptest::collection::vec(proptest::array::uniform2(0.1..9.9_f64), 2..5),
         ) {
             let mut scene = Scene::new(10.0, 10.0);
-            scene.obstacles = boxes.iter().map(|&[x, y]| Rect::new(x, y, x + 0.3, y + 0.2)).collect();
-            let grown = enlarge(&scene, &Margin::default()).unwrap();
-            let index = BoxIndex::new(grown.inside, &grown.boxes);
+            scene.obstacles = boxes.iter().map(|&[x, y]| Rect::new(x, y, x + 0.3, y + 0.2).into()).collect();
+            let grown = enlarge(&scene, 0.0).unwrap();
+            let test = LegTest::new(&grown);
             let path: Vec<Point> = path.into_iter().map(Point::from).collect();
-            prop_assert_eq!(clearance_by(&index, &path, &scene), clearance(&path, &scene));
+            prop_assert_eq!(clearance_by(&test, &grown, &path, &scene), clearance(&path, &scene));
         }
 
         #[test]
@@ -158,7 +168,9 @@ mod tests {
         ) {
             let rect = Rect::new(x, y, x + w, y + h);
             let (a, b) = (Point::new(ax, ay), Point::new(bx, by));
-            let exact = leg_distance(a, b, &rect);
+            let exact = leg_square(a, b, &rect).sqrt();
+            let general = Shape::Rect(rect).leg_distance(a, b);
+            prop_assert!((exact - general).abs() < 1e-12);
             let sampled = (0..=1000)
                 .map(|i| f64::from(i) / 1000.0)
                 .map(|t| rect.distance(Point::new(ax + t * (bx - ax), ay + t * (by - ay))))

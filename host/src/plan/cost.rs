@@ -203,7 +203,7 @@ mod tests {
     fn with_boxes(boxes: &[[f64; 4]], cost: Cost) -> Vec<Point> {
         let mut scene = Scene::new(2.0, 2.0);
         scene.robot_radius = 0.0;
-        scene.obstacles = boxes.iter().map(|&numbers| Rect::from(numbers)).collect();
+        scene.obstacles = boxes.iter().map(|&numbers| Rect::from(numbers).into()).collect();
         let options = PlanOptions { cost, ..Default::default() };
         plan(&scene, Point::new(0.1, 1.0), Point::new(1.9, 1.0), &options).unwrap().waypoints
     }
@@ -249,7 +249,7 @@ mod tests {
             let boxes = boxes.iter().map(|&[x, y, w, h]| {
                 crate::grid::LatticeRect::new(x * step, y * step, (x + w / 2 + 1) * step, (y + h / 2 + 1) * step)
             });
-            let arena = EnlargedArena { border: whole, inside: whole, boxes: boxes.collect() };
+            let arena = EnlargedArena::new(whole, whole, boxes.collect());
             let (start, goal) = (LatticePoint::new(3000, 7000), LatticePoint::new(117_000, 113_000));
             let shortest = super::super::exact::Exact::new(&arena).shortest(start, goal).unwrap();
             let before = cost.of_way(&shortest);

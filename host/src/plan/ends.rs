@@ -1,7 +1,7 @@
 //! Start and goal on the lattice, or why the robot cannot stand there.
 
 use super::{Blocker, End, PlanError};
-use crate::geometry::Point;
+use crate::geometry::{Arena, Point};
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, UNITS_PER_METRE};
 use crate::scene::Scene;
 
@@ -23,10 +23,9 @@ pub(super) fn locate(
     is_free: impl Fn(LatticePoint) -> bool,
     free: &[LatticeRect],
 ) -> Result<LatticePoint, PlanError> {
+    check_within(end, point, scene.arena)?;
     let outside = PlanError::Outside { end, point, arena: scene.arena };
-    let within = (0.0..=scene.arena.width).contains(&point.x)
-        && (0.0..=scene.arena.height).contains(&point.y);
-    let nearest = LatticePoint::nearest(point).filter(|_| within).ok_or(outside)?;
+    let nearest = LatticePoint::nearest(point).ok_or(outside)?;
     // A point on an edge that is no whole unit rounds to either side of it; one of these is free.
     let around = [(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)]
         .map(|(dx, dy)| LatticePoint::new(nearest.x + dx, nearest.y + dy));
@@ -43,6 +42,15 @@ pub(super) fn locate(
             nearest: nearest_free(nearest, free).map(LatticePoint::to_metres),
         }),
     }
+}
+
+/// Makes sure that an end of the way lies in the arena.
+///
+/// # Errors
+/// [`PlanError::Outside`].
+pub(super) fn check_within(end: End, point: Point, arena: Arena) -> Result<(), PlanError> {
+    let within = (0.0..=arena.width).contains(&point.x) && (0.0..=arena.height).contains(&point.y);
+    if within { Ok(()) } else { Err(PlanError::Outside { end, point, arena }) }
 }
 
 /// The point of the `free` rectangles that is nearest to `point`.
@@ -66,7 +74,7 @@ fn blocker(point: LatticePoint, arena: &EnlargedArena) -> Blocker {
     });
     if let Some((index, grown)) = deepest {
         let (x, y) = depth(grown);
-        return Blocker::Obstacle { index, depth: [metres(x), metres(y)] };
+        return Blocker::Obstacle { index: arena.owners[index], depth: [metres(x), metres(y)] };
     }
     let (x, y) = depth(&arena.inside);
     if x.min(y) < 0 { Blocker::Border { depth: metres(-x.min(y)) } } else { Blocker::Gap }
@@ -76,12 +84,12 @@ fn blocker(point: LatticePoint, arena: &EnlargedArena) -> Blocker {
 mod tests {
     use super::*;
     use crate::geometry::Rect;
-    use crate::grid::{Margin, enlarge};
+    use crate::grid::enlarge;
 
     fn at(x: f64, y: f64) -> Result<LatticePoint, PlanError> {
         let mut scene = Scene::new(1.0, 1.0);
-        scene.obstacles.push(Rect::new(0.5, 0.0, 0.6, 1.0));
-        let arena = enlarge(&scene, &Margin::default()).unwrap();
+        scene.obstacles.push(Rect::new(0.5, 0.0, 0.6, 1.0).into());
+        let arena = enlarge(&scene, 0.0).unwrap();
         let free =
             [LatticeRect::new(750, 750, 4250, 9250), LatticeRect::new(6750, 750, 9250, 9250)];
         let is_free = |at: LatticePoint| free.iter().any(|rect| rect.contains(at));

@@ -64,7 +64,7 @@ pub enum PlanError {
     #[error(
         "inflation by a disc goes with the exact planner and the shortest path alone; choose these, or --inflation square"
     )]
-    RoundNeedsExact,
+    DiscNeedsExact,
     /// The independent test refused the path that the planner found.
     #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
     Unsafe {
@@ -84,6 +84,13 @@ pub enum Blocker {
         index: usize,
         /// How deep inside, along x and y, metres.
         depth: [f64; 2],
+    },
+    /// An obstacle inflated by a disc as large as radius and margin.
+    Inflated {
+        /// Its index in the scene.
+        index: usize,
+        /// By how much the point is too near to it, metres.
+        depth: f64,
     },
     /// The arena's border.
     Border {
@@ -110,7 +117,7 @@ impl PlanError {
                 moved(from);
                 moved(to);
             }
-            Self::Grid(_) | Self::NoPath { .. } | Self::RoundNeedsExact => {}
+            Self::Grid(_) | Self::NoPath { .. } | Self::DiscNeedsExact => {}
         }
         self
     }
@@ -129,7 +136,7 @@ impl PlanError {
             Self::Blocked { end: End::Start, .. } => "start_blocked",
             Self::Blocked { end: End::Goal, .. } => "goal_blocked",
             Self::NoPath { .. } => "no_path",
-            Self::RoundNeedsExact => "round_needs_exact",
+            Self::DiscNeedsExact => "disc_needs_exact",
             Self::Unsafe { .. } => "unsafe_path",
         }
     }
@@ -141,6 +148,11 @@ fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>)
             "lies {:.1} by {:.1} cm inside obstacle {} grown by the robot's radius and margin",
             x * 100.0,
             y * 100.0,
+            index + 1
+        ),
+        Blocker::Inflated { index, depth } => format!(
+            "is {:.1} cm too near to obstacle {} for the robot's radius and margin",
+            depth * 100.0,
             index + 1
         ),
         Blocker::Border { depth } => {

@@ -4,7 +4,6 @@
 //! The exit leg is straight, ends at a free point, and nowhere comes nearer to a true obstacle than
 //! the start is; where it passes other obstacles it keeps the whole distance.
 
-use super::clearance::leg_distance;
 use super::leg_check::crosses;
 use crate::geometry::Point;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
@@ -24,19 +23,20 @@ pub(super) fn exit_point(
 ) -> Option<LatticePoint> {
     let from = LatticePoint::nearest(start)?;
     if !arena.border.contains(from)
-        || scene.obstacles.iter().any(|rect| rect.distance(start) <= 0.0)
+        || scene.obstacles.iter().any(|obstacle| obstacle.footprint.distance(start) <= 0.0)
     {
         return None;
     }
     let mut exits: Vec<LatticePoint> = free.iter().map(|rect| rect.clamp(from)).collect();
     exits.sort_unstable_by(|a, b| from.distance(*a).total_cmp(&from.distance(*b)));
     let is_safe = |exit: LatticePoint| {
-        let mut obstacles = scene.obstacles.iter().zip(&arena.boxes);
-        obstacles.all(|(rect, &grown)| {
+        let mut boxes = arena.boxes.iter().zip(&arena.owners);
+        boxes.all(|(&grown, &owner)| {
+            let footprint = &scene.obstacles[owner].footprint;
             !crosses(from, exit, grown)
                 || (grown.contains_inside(from)
-                    && leg_distance(start, exit.to_metres(), rect)
-                        >= rect.distance(start) - ROUNDING)
+                    && footprint.leg_distance(start, exit.to_metres())
+                        >= footprint.distance(start) - ROUNDING)
         })
     };
     exits.into_iter().find(|&exit| is_safe(exit) && useful(exit))
@@ -50,7 +50,7 @@ mod tests {
 
     fn scene() -> Scene {
         let mut scene = Scene::new(2.0, 1.0);
-        scene.obstacles.push(Rect::new(0.8, 0.0, 1.2, 0.5));
+        scene.obstacles.push(Rect::new(0.8, 0.0, 1.2, 0.5).into());
         scene
     }
 
@@ -84,7 +84,7 @@ mod tests {
     fn an_exit_never_leads_past_another_box() {
         // The nearest free point lies beyond a second box; the exit goes the longer way.
         let mut scene = scene();
-        scene.obstacles.push(Rect::new(0.6, 0.0, 0.7, 0.6));
+        scene.obstacles.push(Rect::new(0.6, 0.0, 0.7, 0.6).into());
         let start = Point::new(0.75, 0.45);
         let way = plan(&scene, start, Point::new(0.2, 0.2), &PlanOptions::default()).unwrap();
         assert!(way.clearance >= 0.05 - 1e-12, "{}", way.clearance);
@@ -94,7 +94,9 @@ mod tests {
     fn the_exit_leads_to_the_goal_s_side_whatever_the_planner() {
         // In a gap too narrow for the robot; the nearer way out leads away from the goal.
         let mut scene = Scene::new(2.0, 1.0);
-        scene.obstacles = vec![Rect::new(0.0, 0.4, 1.0, 0.6), Rect::new(1.13, 0.4, 2.0, 0.6)];
+        scene.obstacles = [Rect::new(0.0, 0.4, 1.0, 0.6), Rect::new(1.13, 0.4, 2.0, 0.6)]
+            .map(Into::into)
+            .to_vec();
         let start = Point::new(1.065, 0.48);
         for planner in [Planner::Exact, Planner::Grid, Planner::Tree] {
             let options = PlanOptions { planner, ..PlanOptions::default() };

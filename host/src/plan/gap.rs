@@ -4,11 +4,14 @@
 //! a robot of that width still passes, one a unit (0.1 mm) wider on either side does not, and what
 //! that one would touch on both sides makes the gap.
 
+use super::disc::DiscArena;
 use super::exact::Exact;
 use super::leg_check::crosses;
+use crate::geometry::Point;
 use crate::geometry::Rect;
-use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, Margin, UNITS_PER_METRE, enlarge};
+use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, UNITS_PER_METRE, enlarge};
 use crate::scene::Scene;
+use crate::shape::Shape;
 use std::fmt;
 
 /// A gap too narrow for the robot.
@@ -45,12 +48,12 @@ impl fmt::Display for Side {
 /// point could pass.
 pub(super) fn narrowest_gap(
     scene: &Scene,
-    margin: &Margin,
+    margin: f64,
     start: LatticePoint,
     goal: LatticePoint,
 ) -> Option<Gap> {
-    let by = scene.robot_radius + margin.uniform;
-    let arena = |units: i32| grown_by(scene, margin, units);
+    let by = scene.robot_radius + margin;
+    let arena = |units: i32| enlarge(&for_radius(scene, units), 0.0).ok();
     let passes = |units: i32| Some(Exact::new(&arena(units)?).connects(start, goal));
     let (mut narrow, mut wide) = (0, (by * UNITS_PER_METRE).ceil() as i32);
     if !passes(narrow)? {
@@ -66,9 +69,70 @@ pub(super) fn narrowest_gap(
     Some(Gap { width, need: 2.0 * by, between })
 }
 
-fn grown_by(scene: &Scene, margin: &Margin, units: i32) -> Option<EnlargedArena> {
-    let scene = Scene { robot_radius: f64::from(units) / UNITS_PER_METRE, ..scene.clone() };
-    enlarge(&scene, &Margin { uniform: 0.0, per_obstacle: margin.per_obstacle.clone() }).ok()
+/// `scene` for a robot whose radius is so many units.
+fn for_radius(scene: &Scene, units: i32) -> Scene {
+    Scene { robot_radius: f64::from(units) / UNITS_PER_METRE, ..scene.clone() }
+}
+
+/// As [`narrowest_gap`], under inflation by a disc: its width is the least distance of the two shapes.
+pub(super) fn disc_gap(scene: &Scene, margin: f64, start: Point, goal: Point) -> Option<Gap> {
+    let by = scene.robot_radius + margin;
+    let arena = |units: i32| DiscArena::new(&for_radius(scene, units), 0.0).ok();
+    let passes = |units: i32| arena(units).is_some_and(|arena| arena.connects(start, goal));
+    let (mut narrow, mut wide) = (0, (by * UNITS_PER_METRE).ceil() as i32);
+    if !passes(narrow) {
+        return None;
+    }
+    while wide - narrow > 1 {
+        let middle = (narrow + wide) / 2;
+        if passes(middle) { narrow = middle } else { wide = middle }
+    }
+    let path = arena(narrow)?.shortest(&for_radius(scene, narrow), start, goal).ok()?.waypoints;
+    // What the path passes on both sides is no further from it than the robot's radius and an arc's
+    // tangents; what is no further apart than that robot is wide is what the next wider one touches.
+    let reach = f64::from(wide) / UNITS_PER_METRE + 2.0 * NEAR;
+    let near: Vec<usize> = (0..scene.obstacles.len())
+        .filter(|&index| {
+            let footprint = &scene.obstacles[index].footprint;
+            path.windows(2).any(|leg| footprint.leg_distance(leg[0], leg[1]) <= reach)
+        })
+        .collect();
+    let passed = 2.0 * f64::from(narrow) / UNITS_PER_METRE;
+    let (between, width) = narrowest_pair(scene, &near, passed)?;
+    Some(Gap { width, need: 2.0 * by, between })
+}
+
+/// How much further than the robot's radius what it passes may lie, metres: tangents replace arcs.
+const NEAR: f64 = 0.001;
+
+/// The two of these obstacles, or one of them and the border, that are least far apart but far enough for
+/// a robot that is `passed` metres wide: others are near the path, but it does not lead between them.
+fn narrowest_pair(scene: &Scene, near: &[usize], passed: f64) -> Option<([Side; 2], f64)> {
+    let shape = |index: usize| &scene.obstacles[index].footprint;
+    let pairs = near.iter().enumerate().flat_map(|(place, &i)| {
+        near[..place]
+            .iter()
+            .map(move |&j| ([Side::Obstacle(j), Side::Obstacle(i)], apart_of(shape(i), shape(j))))
+    });
+    let to_border = near.iter().map(|&i| {
+        let bounds = shape(i).bounds();
+        let (right, above) = (scene.arena.width - bounds.x1, scene.arena.height - bounds.y1);
+        let least = bounds.x0.min(bounds.y0).min(right).min(above);
+        ([Side::Obstacle(i), Side::Border], least)
+    });
+    let is_passed = |(_, width): &([Side; 2], f64)| *width > 0.0 && *width >= passed;
+    pairs.chain(to_border).filter(is_passed).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The distance between two shapes, metres.
+fn apart_of(a: &Shape, b: &Shape) -> f64 {
+    // A disc is as far as its centre, less its radius.
+    if let Shape::Circle(disc) = b {
+        return (a.distance(disc.centre) - disc.radius).max(0.0);
+    }
+    let outline = b.outline();
+    let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+    edges.map(|(&from, &to)| a.leg_distance(from, to)).fold(f64::INFINITY, f64::min)
 }
 
 /// The two sides that the path passes between in the `open` arena and that meet in the `shut` one,
@@ -79,6 +143,10 @@ fn sides(
     shut: &EnlargedArena,
     path: &[LatticePoint],
 ) -> Option<([Side; 2], f64)> {
+    let bounds = |index: usize| {
+        let owner = *shut.owners.get(index)?;
+        Some((owner, scene.obstacles.get(owner)?.footprint.bounds()))
+    };
     let near: Vec<usize> = (0..shut.boxes.len())
         .filter(|&index| {
             path.windows(2).any(|leg| crosses(leg[0], leg[1], widened(shut.boxes[index])))
@@ -89,14 +157,17 @@ fn sides(
         common.x0 <= common.x1 && common.y0 <= common.y1
     };
     for (place, &i) in near.iter().enumerate() {
-        let rect = scene.obstacles.get(i)?;
-        if let Some(width) = to_border(i, scene, open, shut) {
-            return Some(([Side::Obstacle(i), Side::Border], width));
+        let (first, rect) = bounds(i)?;
+        if let Some(width) = to_border(i, rect, scene, open, shut) {
+            return Some(([Side::Obstacle(first), Side::Border], width));
         }
         for &j in &near[..place] {
             if meet(shut.boxes[i], shut.boxes[j]) && !meet(open.boxes[i], open.boxes[j]) {
-                let width = apart(rect, scene.obstacles.get(j)?);
-                return Some(([Side::Obstacle(j), Side::Obstacle(i)], width));
+                let (second, other) = bounds(j)?;
+                return Some((
+                    [Side::Obstacle(second), Side::Obstacle(first)],
+                    apart(&rect, &other),
+                ));
             }
         }
     }
@@ -112,6 +183,7 @@ fn widened(rect: LatticeRect) -> LatticeRect {
 /// The true distance to the side of the border that the box meets in the `shut` arena only, metres.
 fn to_border(
     index: usize,
+    rect: Rect,
     scene: &Scene,
     open: &EnlargedArena,
     shut: &EnlargedArena,
@@ -122,7 +194,6 @@ fn to_border(
     };
     let (open, shut) = (between(open), between(shut));
     let side = (0..4).find(|&side| open[side] > 0 && shut[side] <= 0)?;
-    let rect = scene.obstacles.get(index)?;
     let (right, above) = (scene.arena.width - rect.x1, scene.arena.height - rect.y1);
     Some([rect.x0, rect.y0, right, above][side])
 }
@@ -137,12 +208,11 @@ fn apart(a: &Rect, b: &Rect) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point;
     use crate::plan::{PlanError, PlanOptions, plan};
 
     fn refused(obstacles: &[[f64; 4]]) -> PlanError {
         let mut scene = Scene::new(2.0, 1.0);
-        scene.obstacles = obstacles.iter().map(|&numbers| Rect::from(numbers)).collect();
+        scene.obstacles = obstacles.iter().map(|&numbers| Rect::from(numbers).into()).collect();
         let ends = [Point::new(0.2, 0.5), Point::new(1.8, 0.5)];
         plan(&scene, ends[0], ends[1], &PlanOptions::default()).unwrap_err()
     }

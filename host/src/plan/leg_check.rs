@@ -39,10 +39,10 @@ impl LegTest {
     /// Whether the straight leg from `a` to `b` is free.
     ///
     /// ```
-    /// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, enlarge}, plan::LegTest, scene::Scene};
+    /// use wmr::{geometry::Rect, grid::{LatticePoint, enlarge}, plan::LegTest, scene::Scene};
     /// let mut scene = Scene::new(1.0, 1.0);
-    /// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6));
-    /// let arena = enlarge(&scene, &Margin::default())?;
+    /// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6).into());
+    /// let arena = enlarge(&scene, 0.0)?;
     /// let test = LegTest::new(&arena);
     /// let [low, edge, high] = [1000, 3250, 9000].map(|y| LatticePoint::new(1000, y));
     /// assert!(test.is_free(low, high));
@@ -213,7 +213,7 @@ mod tests {
     fn arena(boxes: &[[i32; 4]]) -> EnlargedArena {
         let whole = LatticeRect::new(0, 0, 10, 10);
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
-        EnlargedArena { border: whole, inside: whole, boxes }
+        EnlargedArena::new(whole, whole, boxes)
     }
 
     fn is_free(boxes: &[[i32; 4]], a: (i32, i32), b: (i32, i32)) -> bool {

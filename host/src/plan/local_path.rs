@@ -24,10 +24,10 @@ pub(super) fn exit_point(
 /// The points of the way through `areas`: start, entry and exit points, goal.
 ///
 /// ```
-/// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticePoint, MiniMatrix, enlarge}, plan, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
-/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
+/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5).into());
+/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, 0.0)?)?;
 /// let [start, goal] = [1000, 9000].map(|x| LatticePoint::new(x, 3000));
 /// let ends = (matrix.mark_terminal(start).unwrap(), matrix.mark_terminal(goal).unwrap());
 /// let path = plan::shortest_path(&matrix, ends, (start, goal)).unwrap();
@@ -123,7 +123,7 @@ mod tests {
 
     fn around_one_box() -> EnlargedArena {
         let whole = LatticeRect::new(0, 0, 9, 9);
-        EnlargedArena { border: whole, inside: whole, boxes: vec![LatticeRect::new(3, 3, 6, 6)] }
+        EnlargedArena::new(whole, whole, vec![LatticeRect::new(3, 3, 6, 6)])
     }
 
     fn points<const N: usize>(of: [(i32, i32); N]) -> [LatticePoint; N] {

@@ -5,7 +5,6 @@
 
 use super::{Plan, PlanError, PlanOptions, PreparedArena};
 use crate::geometry::Point;
-use crate::grid::Margin;
 use crate::scene::Scene;
 use std::time::Duration;
 
@@ -26,8 +25,8 @@ pub struct MarginPlan {
     pub searching: Duration,
 }
 
-/// Plans with the first of `margins` (metres) that leaves a path. `options.margin.uniform` is
-/// replaced by each margin in turn; its margins per obstacle are kept. `clock` is read for
+/// Plans with the first of `margins` (metres) that leaves a path. `options.margin` is
+/// replaced by each of them in turn; the obstacles' own margins are kept. `clock` is read for
 /// [`MarginPlan::preparing`] and [`MarginPlan::searching`] alone.
 ///
 /// A margin for which the robot would first have to be led away from an obstacle is used only if
@@ -43,7 +42,7 @@ pub struct MarginPlan {
 /// use wmr::plan::{DRIVE_MARGINS, PlanOptions, with_margin_fallback};
 /// let mut scene = wmr::scene::Scene::new(1.0, 1.0);
 /// // The gap is 164 mm wide: the robot's 150 mm and a margin of 5 mm on both sides, not of 10 mm.
-/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.836));
+/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.836).into());
 /// let (start, goal) = (Point::new(0.1, 0.5), Point::new(0.9, 0.5));
 /// let options = PlanOptions::default();
 /// let found =
@@ -62,8 +61,7 @@ pub fn with_margin_fallback(
     let mut last = PlanError::NoPath { gap: None };
     let mut led_away = None;
     for &margin in margins {
-        let margins = Margin { uniform: margin, ..options.margin.clone() };
-        let options = PlanOptions { margin: margins, ..options.clone() };
+        let options = PlanOptions { margin, ..options.clone() };
         let began = clock();
         let mut arena = match PreparedArena::new(scene, &options) {
             Ok(arena) => arena,
@@ -104,7 +102,7 @@ mod tests {
     /// A wall across an arena of 1 m by 1 m that leaves a gap of that width at the top.
     fn gap(width: f64) -> Scene {
         let mut scene = Scene::new(1.0, 1.0);
-        scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 1.0 - width));
+        scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 1.0 - width).into());
         scene
     }
 

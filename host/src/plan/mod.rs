@@ -3,15 +3,19 @@
 //! ```text
 //!           ┌► MiniMatrix ─► global paths ─► entry and exit points ─► useless points dropped ┐
 //! enlarge ──┤  (the paper's: Planner::Grid, Planner::Tree)                                     ├► safety ─► plan
-//! 0.1 mm    └► cells ─► portals ─► interval search   (Planner::Exact)                        ┘  test      metres
+//! squares   └► cells ─► portals ─► interval search   (Planner::Exact) ────────────────────────┤  test      metres
+//! inflate ───► trapezoids ─► portals ─► interval search   (Planner::Exact) ───────────────────┘
+//! disc
 //! ```
 //! [`plan`] shows the whole flow; [`PreparedArena`] keeps what many queries share. Every path has
-//! passed [`LegTest`], which looks at the grown boxes alone and shares nothing with the exact search.
+//! passed [`LegTest`], which looks at the grown boxes alone, or under inflation by a disc a test of the
+//! distances to the shapes themselves; neither shares anything with the search.
 //! Metres outside, lattice units inside; the first and last waypoint are the given points to the last bit.
 
 mod box_index;
 mod clearance;
 mod cost;
+mod disc;
 mod ends;
 mod error;
 mod exact;
@@ -23,12 +27,12 @@ mod margins;
 mod paper;
 mod prepared;
 mod ranked;
-mod round;
 mod shortest_path;
 mod tree;
 
 pub use clearance::clearance;
 pub use cost::Cost;
+pub use disc::inflated_contours;
 pub use error::{Blocker, End, PlanError};
 pub use gap::{Gap, Side};
 pub use leg_check::LegTest;
@@ -40,8 +44,8 @@ pub use shortest_path::{GlobalPath, shortest_path};
 pub use tree::{NODE_LIMIT, PathTree, TreeNode, global_paths};
 
 use crate::geometry::Point;
-use crate::grid::Margin;
-use crate::scene::Scene;
+use crate::scene::{Obstacle, Scene};
+use serde::{Deserialize, Serialize};
 
 /// How the way is searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,12 +72,12 @@ impl Planner {
 
 /// The shape by which obstacles are inflated (their Minkowski sum with it): as large as the robot's
 /// radius and the margin together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Inflation {
-    /// A square: rectangles stay rectangles, as in the paper.
-    #[default]
+    /// A square: rectangles stay rectangles, as in the paper; other shapes are covered by rectangles first.
     Square,
-    /// A disc: corners become arcs, driven as legs along tangents less than a millimetre outside.
+    /// A disc: corners become arcs, driven as legs along tangents less than half a millimetre outside.
     Disc,
 }
 
@@ -82,12 +86,37 @@ pub enum Inflation {
 pub struct PlanOptions {
     /// How the way is searched.
     pub planner: Planner,
-    /// Distance to keep beyond the robot's radius.
-    pub margin: Margin,
+    /// Distance to keep beyond the robot's radius and the obstacles' own margins, metres.
+    pub margin: f64,
     /// What makes a way good; only the exact planner looks at anything but the length.
     pub cost: Cost,
     /// How obstacles are inflated; a disc goes with the exact planner and the length as cost alone.
-    pub inflation: Inflation,
+    /// `None` leaves it to [`PlanOptions::inflation_for`].
+    pub inflation: Option<Inflation>,
+}
+
+impl PlanOptions {
+    /// How the obstacles of `scene` are inflated: as asked for; if nobody asks, by a square as in the
+    /// paper where all of them are upright rectangles, else by a disc where the planner can do so.
+    ///
+    /// ```
+    /// use wmr::plan::{Inflation, PlanOptions, Planner};
+    /// let mut scene = wmr::scene::Scene::new(1.0, 1.0);
+    /// assert_eq!(PlanOptions::default().inflation_for(&scene), Inflation::Square);
+    /// scene.obstacles.push(wmr::shape::Circle::from([0.5, 0.5, 0.1]).into());
+    /// assert_eq!(PlanOptions::default().inflation_for(&scene), Inflation::Disc);
+    /// let grid = PlanOptions { planner: Planner::Grid, ..Default::default() };
+    /// assert_eq!(grid.inflation_for(&scene), Inflation::Square);
+    /// ```
+    pub fn inflation_for(&self, scene: &Scene) -> Inflation {
+        let knows_discs = self.planner == Planner::Exact && self.cost == Cost::Length;
+        let is_rect = |obstacle: &Obstacle| obstacle.footprint.as_rect().is_some();
+        match self.inflation {
+            Some(asked) => asked,
+            None if knows_discs && !scene.obstacles.iter().all(is_rect) => Inflation::Disc,
+            None => Inflation::Square,
+        }
+    }
 }
 
 /// A way from start to goal that was tested to be free.
@@ -95,6 +124,8 @@ pub struct PlanOptions {
 pub struct Plan {
     /// Which planner found it.
     pub planner: Planner,
+    /// How the obstacles were inflated.
+    pub inflation: Inflation,
     /// Where the robot turns, start and goal included, metres.
     pub waypoints: Vec<Point>,
     /// The length of the way, metres.
@@ -118,7 +149,7 @@ pub struct Plan {
 /// ```
 /// use wmr::{geometry::{Point, Rect}, plan::{PlanOptions, plan}, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5));
+/// scene.obstacles.push(Rect::new(0.4, 0.0, 0.6, 0.5).into());
 /// let plan = plan(&scene, Point::new(0.1, 0.1), Point::new(0.9, 0.1), &PlanOptions::default())?;
 /// assert_eq!(plan.waypoints[1], Point::new(0.325, 0.575)); // past the grown box's corner
 /// assert_eq!(plan.waypoints.len(), 4);

@@ -1,48 +1,50 @@
 //! An arena prepared once for many queries.
 
-use super::clearance::clearance_by;
+use super::clearance::{clearance, clearance_by};
 use super::cost::best_way;
+use super::disc::{DiscArena, NoWay};
 use super::exact::Exact;
 use super::exit::exit_point;
-use super::gap::narrowest_gap;
+use super::gap::{disc_gap, narrowest_gap};
 use super::paper::grid_stages;
-use super::round::Round;
-use super::{Cost, End, Inflation, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
+use super::{Blocker, Cost, End, Inflation, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
 use crate::geometry::Point;
-use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, UNITS_PER_METRE, enlarge};
+use crate::grid::{EnlargedArena, LatticePoint, LatticeRect, MiniMatrix, enlarge};
 use crate::scene::Scene;
-
-/// A radius this close to a whole unit, in units, is meant to be whole.
-const MEANT_WHOLE: f64 = 1e-6;
 
 /// A scene made ready for planning with one set of options.
 #[derive(Clone, Debug)]
 pub struct PreparedArena<'a> {
     scene: &'a Scene,
     options: &'a PlanOptions,
+    method: Method,
+}
+
+/// By what the obstacles are inflated, and what the planner searches.
+#[derive(Clone, Debug)]
+enum Method {
+    Square(Box<SquareArena>),
+    Disc(Box<DiscArena>),
+}
+
+/// An arena whose obstacles were inflated by a square.
+#[derive(Clone, Debug)]
+struct SquareArena {
     arena: EnlargedArena,
     test: LegTest,
-    method: Method,
+    search: SquareSearch,
     was_asked: bool,
 }
 
-/// What the planner searches.
+/// What is searched among rectangles.
 #[derive(Clone, Debug)]
-enum Method {
+enum SquareSearch {
     Exact(Box<Exact>),
-    /// The exact one for square inflation stands by: the length of its path is a bound.
-    Round {
-        exact: Box<Exact>,
-        round: Box<Round>,
-    },
-    Paper {
-        matrix: Box<MiniMatrix>,
-        free: Vec<LatticeRect>,
-    },
+    Paper { matrix: MiniMatrix, free: Vec<LatticeRect> },
 }
 
 impl<'a> PreparedArena<'a> {
-    /// Prepares `scene`: grows its obstacles and cuts the floor into cells or areas.
+    /// Prepares `scene`: inflates its obstacles and cuts the floor into cells or areas.
     ///
     /// # Errors
     /// [`PlanError::Grid`] if the arena cannot be cut.
@@ -59,28 +61,16 @@ impl<'a> PreparedArena<'a> {
     /// # Ok::<(), wmr::plan::PlanError>(())
     /// ```
     pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
-        let arena = enlarge(scene, &options.margin)?;
-        let is_round = options.inflation == Inflation::Disc;
-        if is_round && (options.planner != Planner::Exact || options.cost != Cost::Length) {
-            return Err(PlanError::RoundNeedsExact);
-        }
-        let method = match options.planner {
-            Planner::Exact if is_round => {
-                let radius = scene.robot_radius + options.margin.uniform;
-                // Rounded down: the boxes were rounded outwards by what is missing.
-                let radius = (radius * UNITS_PER_METRE + MEANT_WHOLE).floor() as i32;
-                let round = Box::new(Round::new(&arena, radius));
-                Method::Round { exact: Box::new(Exact::new(&arena)), round }
+        let method = match options.inflation_for(scene) {
+            Inflation::Disc
+                if options.planner != Planner::Exact || options.cost != Cost::Length =>
+            {
+                return Err(PlanError::DiscNeedsExact);
             }
-            Planner::Exact => Method::Exact(Box::new(Exact::new(&arena))),
-            Planner::Grid | Planner::Tree => {
-                let matrix = Box::new(MiniMatrix::from_borders(&arena)?);
-                let live = matrix.areas().filter(|&area| matrix.is_live(area));
-                Method::Paper { free: live.map(|area| matrix.rect(area)).collect(), matrix }
-            }
+            Inflation::Disc => Method::Disc(Box::new(DiscArena::new(scene, options.margin)?)),
+            Inflation::Square => Method::Square(Box::new(SquareArena::new(scene, options)?)),
         };
-        let test = LegTest::new(&arena);
-        Ok(Self { scene, options, arena, test, method, was_asked: false })
+        Ok(Self { scene, options, method })
     }
 
     /// Plans the way from `start` to `goal`.
@@ -88,95 +78,166 @@ impl<'a> PreparedArena<'a> {
     /// # Errors
     /// [`PlanError`] if an end is outside or blocked, or nothing leads from one to the other.
     pub fn plan(&mut self, start: Point, goal: Point) -> Result<Plan, PlanError> {
-        if let Method::Exact(exact) | Method::Round { exact, .. } = &mut self.method {
+        match &mut self.method {
+            Method::Square(arena) => arena.plan(self.scene, self.options, start, goal),
+            Method::Disc(arena) => plan_for_disc(arena, self.scene, self.options, start, goal),
+        }
+    }
+}
+
+impl SquareArena {
+    fn new(scene: &Scene, options: &PlanOptions) -> Result<Self, PlanError> {
+        let arena = enlarge(scene, options.margin)?;
+        let search = match options.planner {
+            Planner::Exact => SquareSearch::Exact(Box::new(Exact::new(&arena))),
+            Planner::Grid | Planner::Tree => {
+                let matrix = MiniMatrix::from_borders(&arena)?;
+                let live = matrix.areas().filter(|&area| matrix.is_live(area));
+                let free = live.map(|area| matrix.rect(area)).collect();
+                SquareSearch::Paper { matrix, free }
+            }
+        };
+        Ok(Self { test: LegTest::new(&arena), arena, search, was_asked: false })
+    }
+
+    fn plan(
+        &mut self,
+        scene: &Scene,
+        options: &PlanOptions,
+        start: Point,
+        goal: Point,
+    ) -> Result<Plan, PlanError> {
+        if let SquareSearch::Exact(exact) = &mut self.search {
             if self.was_asked {
                 exact.expect_many(self.arena.inside);
             }
             self.was_asked = true;
         }
-        let to = self.locate(End::Goal, goal)?;
-        let (from, exits) = match self.locate(End::Start, start) {
+        let to = self.locate(scene, End::Goal, goal)?;
+        let (from, exits) = match self.locate(scene, End::Start, start) {
             Ok(at) => (at, false),
             Err(blocked @ PlanError::Blocked { .. }) => {
-                (self.exit(start, to).ok_or(blocked)?, true)
+                (self.exit(scene, start, to).ok_or(blocked)?, true)
             }
             Err(error) => return Err(error),
         };
-        let no_path =
-            || PlanError::NoPath { gap: narrowest_gap(self.scene, &self.options.margin, from, to) };
-        let (points, grid) = match &mut self.method {
-            Method::Exact(exact) => {
+        let no_path = || PlanError::NoPath { gap: narrowest_gap(scene, options.margin, from, to) };
+        let (points, grid) = match &mut self.search {
+            SquareSearch::Exact(exact) => {
                 let shortest = exact.shortest(from, to).ok_or_else(no_path)?;
-                (best_way(self.options.cost, &self.arena, &self.test, shortest), None)
+                (best_way(options.cost, &self.arena, &self.test, shortest), None)
             }
-            Method::Round { exact, round } => {
-                let square = match exact.holds(from) && exact.holds(to) {
-                    true => exact.shortest(from, to),
-                    false => None,
-                };
-                (round.shortest(from, to, square).ok_or_else(no_path)?, None)
-            }
-            Method::Paper { matrix, .. } => {
-                let grows_tree = self.options.planner == Planner::Tree;
+            SquareSearch::Paper { matrix, .. } => {
+                let grows_tree = options.planner == Planner::Tree;
                 let stages = grid_stages(&self.arena, &self.test, matrix, (from, to), grows_tree);
                 let stages = stages.ok_or_else(no_path)?;
                 (stages.kept.clone(), Some(stages))
             }
         };
         let waypoints = to_waypoints(&points, start, goal, exits);
-        let checked = match &self.method {
-            Method::Round { round, .. } => round.check_path(&points),
-            _ => self.test.check_path(&points),
-        };
-        if let Err(leg) = checked {
+        if let Err(leg) = self.test.check_path(&points) {
             let leg = leg + usize::from(exits);
             return Err(PlanError::Unsafe { from: waypoints[leg], to: waypoints[leg + 1] });
         }
-        Ok(Plan {
-            planner: self.options.planner,
-            length: waypoints.windows(2).map(|leg| leg[0].distance(leg[1])).sum(),
-            clearance: clearance_by(self.test.index(), &waypoints, self.scene),
-            exit_leg: exits.then(|| waypoints[0].distance(waypoints[1])),
-            waypoints,
-            grid,
-        })
+        let clearance = clearance_by(&self.test, &self.arena, &waypoints, scene);
+        let plan = finished(options, Inflation::Square, waypoints, clearance, exits);
+        Ok(Plan { grid, ..plan })
     }
 
-    fn locate(&self, end: End, point: Point) -> Result<LatticePoint, PlanError> {
-        let is_free = |at: LatticePoint| match &self.method {
-            Method::Exact(exact) => exact.holds(at),
-            Method::Round { round, .. } => round.holds(at),
-            Method::Paper { free, .. } => free.iter().any(|rect| rect.contains(at)),
+    fn locate(&self, scene: &Scene, end: End, point: Point) -> Result<LatticePoint, PlanError> {
+        let is_free = |at: LatticePoint| match &self.search {
+            SquareSearch::Exact(exact) => exact.holds(at),
+            SquareSearch::Paper { free, .. } => free.iter().any(|rect| rect.contains(at)),
         };
-        ends::locate(end, point, self.scene, &self.arena, is_free, self.free())
+        ends::locate(end, point, scene, &self.arena, is_free, self.free())
     }
 
     /// Where the robot of a blocked `start` gets out to a place from which it reaches `goal`.
-    fn exit(&self, start: Point, goal: LatticePoint) -> Option<LatticePoint> {
+    fn exit(&self, scene: &Scene, start: Point, goal: LatticePoint) -> Option<LatticePoint> {
         let by_areas;
-        let exact = match &self.method {
-            Method::Exact(exact) | Method::Round { exact, .. } => exact.as_ref(),
+        let exact = match &self.search {
+            SquareSearch::Exact(exact) => exact,
             // Areas are connected as cells are: both are the same floor.
-            Method::Paper { .. } => {
+            SquareSearch::Paper { .. } => {
                 by_areas = Exact::new(&self.arena);
                 &by_areas
             }
         };
-        let exit = |leads_on: &dyn Fn(LatticePoint) -> bool| {
-            exit_point(start, self.scene, &self.arena, self.free(), leads_on)
-        };
-        let connected = exit(&|exit| exact.connects(exit, goal));
-        // A disc may pass where squares do not.
-        let is_round = matches!(self.method, Method::Round { .. });
-        connected.or_else(|| exit(&|_| true).filter(|_| is_round))
+        exit_point(start, scene, &self.arena, self.free(), |exit| exact.connects(exit, goal))
     }
 
     /// The rectangles in which the robot's centre may be, edges included.
     fn free(&self) -> &[LatticeRect] {
-        match &self.method {
-            Method::Exact(exact) | Method::Round { exact, .. } => exact.free(),
-            Method::Paper { free, .. } => free,
+        match &self.search {
+            SquareSearch::Exact(exact) => exact.free(),
+            SquareSearch::Paper { free, .. } => free,
         }
+    }
+}
+
+fn plan_for_disc(
+    arena: &mut DiscArena,
+    scene: &Scene,
+    options: &PlanOptions,
+    start: Point,
+    goal: Point,
+) -> Result<Plan, PlanError> {
+    for (end, point) in [(End::Goal, goal), (End::Start, start)] {
+        ends::check_within(end, point, scene.arena)?;
+    }
+    let way = arena.shortest(scene, start, goal).map_err(|why| {
+        let blocked = |end: End, point: Point| PlanError::Blocked {
+            end,
+            point,
+            by: disc_blocker(arena, scene, options.margin, point),
+            nearest: arena.nearest_free(point),
+        };
+        match why {
+            NoWay::GoalBlocked => blocked(End::Goal, goal),
+            NoWay::StartBlocked => blocked(End::Start, start),
+            NoWay::Apart => PlanError::NoPath { gap: disc_gap(scene, options.margin, start, goal) },
+        }
+    })?;
+    if let Err(leg) = arena.check_path(&way.waypoints, way.exits) {
+        return Err(PlanError::Unsafe { from: way.waypoints[leg], to: way.waypoints[leg + 1] });
+    }
+    let clearance = clearance(&way.waypoints, scene);
+    Ok(finished(options, Inflation::Disc, way.waypoints, clearance, way.exits))
+}
+
+/// What the disc at `point` comes too near to: the obstacle it lies deepest in, or else the border.
+fn disc_blocker(arena: &DiscArena, scene: &Scene, margin: f64, point: Point) -> Blocker {
+    let radius = scene.robot_radius + margin;
+    let depth = |index: &usize| {
+        let obstacle = &scene.obstacles[*index];
+        radius + obstacle.largest_margin() - obstacle.footprint.distance(point)
+    };
+    let blockers = arena.blockers(point);
+    match blockers.iter().max_by(|a, b| depth(a).total_cmp(&depth(b))) {
+        Some(index) => Blocker::Inflated { index: *index, depth: depth(index) },
+        None => {
+            let (width, height) = (scene.arena.width, scene.arena.height);
+            let room = point.x.min(point.y).min(width - point.x).min(height - point.y);
+            Blocker::Border { depth: radius - room }
+        }
+    }
+}
+
+fn finished(
+    options: &PlanOptions,
+    inflation: Inflation,
+    waypoints: Vec<Point>,
+    clearance: f64,
+    exits: bool,
+) -> Plan {
+    Plan {
+        planner: options.planner,
+        inflation,
+        length: waypoints.windows(2).map(|leg| leg[0].distance(leg[1])).sum(),
+        clearance,
+        exit_leg: exits.then(|| waypoints[0].distance(waypoints[1])),
+        waypoints,
+        grid: None,
     }
 }
 

@@ -91,7 +91,7 @@ mod tests {
     fn between(boxes: &[[i32; 4]], start: (i32, i32), goal: (i32, i32)) -> Option<Vec<usize>> {
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
         let whole = LatticeRect::new(0, 0, 9, 9);
-        let arena = EnlargedArena { border: whole, inside: whole, boxes };
+        let arena = EnlargedArena::new(whole, whole, boxes);
         let mut matrix = MiniMatrix::from_borders(&arena).unwrap();
         let [start, goal] = [start, goal].map(|(x, y)| LatticePoint::new(x, y));
         let ends = (matrix.mark_terminal(start).unwrap(), matrix.mark_terminal(goal).unwrap());

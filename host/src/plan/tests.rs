@@ -82,7 +82,7 @@ fn start_and_goal_in_one_area_are_joined_by_a_straight_line() {
 #[test]
 fn a_walled_goal_is_an_error() {
     let mut scene = Scene::new(1.0, 1.0);
-    scene.obstacles.push(Rect::new(0.45, 0.0, 0.55, 1.0));
+    scene.obstacles.push(Rect::new(0.45, 0.0, 0.55, 1.0).into());
     let error = plan(&scene, Point::new(0.1, 0.1), Point::new(0.9, 0.9), &PlanOptions::default());
     assert_eq!(error.unwrap_err().code(), "no_path");
 }
@@ -96,7 +96,9 @@ fn coarse_scene() -> impl Strategy<Value = Scene> {
         let metres = |steps: i32| f64::from(steps) / 20.0;
         scene.obstacles = boxes
             .iter()
-            .map(|&((x, w), (y, h))| Rect::new(metres(x), metres(y), metres(x + w), metres(y + h)))
+            .map(|&((x, w), (y, h))| {
+                Rect::new(metres(x), metres(y), metres(x + w), metres(y + h)).into()
+            })
             .collect();
         scene
     })
@@ -156,7 +158,7 @@ fn the_tree_among_eight_boxes_ends_within_its_bound_and_counts_what_it_cut() {
         .map(|i| {
             let (x, y) = (0.4 + 0.8 * f64::from(i % 3), 0.4 + 0.8 * f64::from(i / 3));
             let shift = 0.05 * f64::from(i);
-            Rect::new(x + shift / 2.0, y + shift, x + 0.25, y + shift + 0.2)
+            Rect::new(x + shift / 2.0, y + shift, x + 0.25, y + shift + 0.2).into()
         })
         .collect();
     let ends = [Point::new(0.2, 0.2), Point::new(2.8, 2.8)];

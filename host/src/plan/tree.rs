@@ -63,10 +63,10 @@ impl PathTree {
 /// `limit` nodes.
 ///
 /// ```
-/// use wmr::{geometry::Rect, grid::{LatticePoint, Margin, MiniMatrix, enlarge}, plan, scene::Scene};
+/// use wmr::{geometry::Rect, grid::{LatticePoint, MiniMatrix, enlarge}, plan, scene::Scene};
 /// let mut scene = Scene::new(1.0, 1.0);
-/// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6)); // a ring of eight areas around it
-/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, &Margin::default())?)?;
+/// scene.obstacles.push(Rect::new(0.4, 0.4, 0.6, 0.6).into()); // a ring of eight areas around it
+/// let mut matrix = MiniMatrix::from_borders(&enlarge(&scene, 0.0)?)?;
 /// let [start, goal] = [1000, 9000].map(|x| LatticePoint::new(x, 5000));
 /// let ends = (matrix.mark_terminal(start).unwrap(), matrix.mark_terminal(goal).unwrap());
 /// let tree = plan::global_paths(&matrix, ends, (start, goal), plan::NODE_LIMIT);
@@ -166,7 +166,7 @@ mod tests {
     fn tree(boxes: &[[i32; 4]], limit: usize) -> PathTree {
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
         let whole = LatticeRect::new(0, 0, 20, 20);
-        let arena = EnlargedArena { border: whole, inside: whole, boxes };
+        let arena = EnlargedArena::new(whole, whole, boxes);
         let mut matrix = MiniMatrix::from_borders(&arena).unwrap();
         let (start, goal) = (LatticePoint::new(0, 0), LatticePoint::new(20, 20));
         let ends = (matrix.mark_terminal(start).unwrap(), matrix.mark_terminal(goal).unwrap());

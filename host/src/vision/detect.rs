@@ -1,6 +1,7 @@
 //! From a photo to obstacles in metres: the flow of vision in one function.
 
 use crate::geometry::{Arena, Point, Pose, Rect};
+use crate::scene::Obstacle;
 use crate::vision::appearance::Look;
 use crate::vision::border::{self, check_arena, given};
 use crate::vision::boxes::{self, Bounded, Found, lined_sides};
@@ -78,10 +79,8 @@ impl Default for DetectOptions {
 /// What was seen in a photo. Metres and radians in the arena frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detection {
-    /// Footprints of the obstacles.
-    pub obstacles: Vec<Rect>,
-    /// For each obstacle how much further out its left, lower, right and upper edge may lie, metres.
-    pub margins: Vec<[f64; 4]>,
+    /// The obstacles, each with how much further out its edges may lie.
+    pub obstacles: Vec<Obstacle>,
     /// The arena's corners 0..3 in the photo, pixels.
     pub corners_px: [[f64; 2]; 4],
     /// The robot, if it is in the picture.
@@ -112,7 +111,8 @@ pub struct Detection {
 /// });
 /// let photo = Photo::from_rgb(240, 160, pixels.collect())?;
 /// let seen = detect(&photo, Arena { width: 2.0, height: 1.2 }, &DetectOptions::default())?;
-/// let [Rect { x0, y0, x1, y1 }] = seen.obstacles[..] else { panic!("one box") };
+/// let [seen_box] = seen.obstacles.as_slice() else { panic!("one box") };
+/// let Rect { x0, y0, x1, y1 } = seen_box.footprint.bounds();
 /// for (found, drawn) in [(x0, 0.4), (y0, 0.6), (x1, 0.8), (y1, 1.0)] {
 ///     assert!((found - drawn).abs() < 0.005);
 /// }
@@ -159,8 +159,7 @@ pub fn detect(
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
     Ok(Detection {
-        obstacles: boxes.iter().map(|bounded| bounded.rect).collect(),
-        margins: boxes.iter().map(|bounded| bounded.margin).collect(),
+        obstacles: boxes.iter().map(Bounded::obstacle).collect(),
         corners_px: map.seen_corners(arena),
         robot,
         confidence,

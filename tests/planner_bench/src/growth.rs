@@ -48,7 +48,7 @@ fn random(count: usize) -> Scene {
             let (w, h) = (0.1 + 0.4 * next(), 0.1 + 0.4 * next());
             let (x, y) = (next() * (side - w), next() * (side - h));
             let whole = |metres: f64| (metres * 1000.0).round() / 1000.0;
-            Rect::new(whole(x), whole(y), whole(x + w), whole(y + h))
+            Rect::new(whole(x), whole(y), whole(x + w), whole(y + h)).into()
         })
         .collect();
     scene

@@ -17,7 +17,8 @@ fn grown(scene: &Scene) -> (Rect, Vec<Rect>) {
             (b.y1 + r).min(inside.y1),
         )
     };
-    let boxes = scene.obstacles.iter().map(grow).filter(|b| b.x0 < b.x1 && b.y0 < b.y1).collect();
+    let rects = scene.obstacles.iter().map(|obstacle| obstacle.footprint.bounds());
+    let boxes = rects.map(|rect| grow(&rect)).filter(|b| b.x0 < b.x1 && b.y0 < b.y1).collect();
     (inside, boxes)
 }
 

@@ -9,59 +9,59 @@ use crate::grid::LatticePoint;
 
 /// One end of a portal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PortalEnd {
-    pub(super) at: LatticePoint,
+pub(in crate::plan) struct PortalEnd {
+    pub(in crate::plan) at: LatticePoint,
     /// The number of the box's corner that stands here, or [`NO_CORNER`].
-    pub(super) corner: u32,
+    pub(in crate::plan) corner: u32,
 }
 
 /// The end of a portal at which no box's corner stands: there a shortest way never turns.
-pub(super) const NO_CORNER: u32 = u32::MAX;
+pub(in crate::plan) const NO_CORNER: u32 = u32::MAX;
 
 impl PortalEnd {
     /// Whether a box's corner stands here.
-    pub(super) fn has_corner(&self) -> bool {
+    pub(in crate::plan) fn has_corner(&self) -> bool {
         self.corner != NO_CORNER
     }
 }
 
 /// A straight opening from one piece to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Portal {
-    pub(super) right: PortalEnd,
-    pub(super) left: PortalEnd,
+pub(in crate::plan) struct Portal {
+    pub(in crate::plan) right: PortalEnd,
+    pub(in crate::plan) left: PortalEnd,
     /// The piece that it leads to.
-    pub(super) beyond: u32,
+    pub(in crate::plan) beyond: u32,
     /// Whether all that lies beyond is a dead end: only a way that ends there enters.
-    pub(super) is_dead_end: bool,
+    pub(in crate::plan) is_dead_end: bool,
 }
 
 impl Portal {
-    pub(super) fn new(right: PortalEnd, left: PortalEnd, beyond: u32) -> Self {
+    pub(in crate::plan) fn new(right: PortalEnd, left: PortalEnd, beyond: u32) -> Self {
         Self { right, left, beyond, is_dead_end: false }
     }
 
     /// Whether both openings lie on one vertical line: what looks in through one never sees the other.
-    pub(super) fn is_on_line_of(&self, entered: &Portal) -> bool {
+    pub(in crate::plan) fn is_on_line_of(&self, entered: &Portal) -> bool {
         let x = entered.right.at.x;
         entered.left.at.x == x && self.right.at.x == x && self.left.at.x == x
     }
 
     /// Whether this is the same opening as `entered`, seen from the other side.
-    pub(super) fn is_back_of(&self, entered: &Portal) -> bool {
+    pub(in crate::plan) fn is_back_of(&self, entered: &Portal) -> bool {
         self.right.at == entered.left.at && self.left.at == entered.right.at
     }
 }
 
 /// The pieces with their portals.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Mesh {
+pub(in crate::plan) struct Mesh {
     /// The portals of piece `i` are `portals[first[i]..first[i + 1]]`.
     first: Vec<u32>,
     portals: Vec<Portal>,
     /// By piece: whether only a way that begins or ends there enters it.
     dead_ends: Vec<bool>,
-    pub(super) corners: usize,
+    pub(in crate::plan) corners: usize,
 }
 
 impl Mesh {
@@ -81,7 +81,7 @@ impl Mesh {
     }
 
     /// The mesh of `pieces` pieces from their portals, each with the piece that it leads from.
-    pub(super) fn new(
+    pub(in crate::plan) fn new(
         pieces: usize,
         corners: usize,
         portals: impl Iterator<Item = (u32, Portal)> + Clone,
@@ -140,25 +140,25 @@ impl Mesh {
     }
 
     /// Whether only a way that begins or ends there enters `piece`.
-    pub(super) fn is_dead_end(&self, piece: u32) -> bool {
+    pub(in crate::plan) fn is_dead_end(&self, piece: u32) -> bool {
         self.dead_ends[piece as usize]
     }
 
-    pub(super) fn pieces(&self) -> usize {
+    pub(in crate::plan) fn pieces(&self) -> usize {
         self.first.len() - 1
     }
 
     /// The portals out of `piece`.
-    pub(super) fn portals(&self, piece: u32) -> &[Portal] {
+    pub(in crate::plan) fn portals(&self, piece: u32) -> &[Portal] {
         &self.portals[self.range(piece)]
     }
 
     /// The numbers of the portals out of `piece`.
-    pub(super) fn range(&self, piece: u32) -> std::ops::Range<usize> {
+    pub(in crate::plan) fn range(&self, piece: u32) -> std::ops::Range<usize> {
         self.first[piece as usize] as usize..self.first[piece as usize + 1] as usize
     }
 
-    pub(super) fn portal(&self, number: usize) -> &Portal {
+    pub(in crate::plan) fn portal(&self, number: usize) -> &Portal {
         &self.portals[number]
     }
 
@@ -166,7 +166,7 @@ impl Mesh {
     ///
     /// Pieces point to one with a lower number that they are connected with; neighbours have near
     /// numbers, so that this walks through memory in order where a search would jump.
-    pub(super) fn components(&self) -> Vec<u32> {
+    pub(in crate::plan) fn components(&self) -> Vec<u32> {
         let mut lower: Vec<u32> = (0..self.pieces() as u32).collect();
         for piece in 0..self.pieces() as u32 {
             for portal in self.portals(piece).iter().filter(|portal| portal.beyond < piece) {
@@ -199,7 +199,7 @@ mod tests {
 
     fn mesh(boxes: Vec<LatticeRect>) -> Mesh {
         let inside = LatticeRect::new(0, 0, 12, 12);
-        Mesh::from_slabs(&sweep(&EnlargedArena { border: inside, inside, boxes }))
+        Mesh::from_slabs(&sweep(&EnlargedArena::new(inside, inside, boxes)))
     }
 
     #[test]

@@ -18,9 +18,10 @@ mod view;
 
 use super::box_index::BoxIndex;
 use crate::grid::{EnlargedArena, LatticePoint, LatticeRect};
-use mesh::Mesh;
 use roads::Roads;
-use search::{Query, Search};
+
+pub(super) use mesh::{Mesh, NO_CORNER, Portal, PortalEnd};
+pub(super) use search::{Query, Search};
 use sweep::{Slabs, sweep};
 
 /// From this query on, roads are drawn and used. The first queries that come to a corner pay for its

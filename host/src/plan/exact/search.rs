@@ -53,7 +53,7 @@ struct Reached {
 
 /// The memory of searches on one mesh, kept from query to query.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Search {
+pub(in crate::plan) struct Search {
     reached: Vec<Reached>,
     query: u32,
     nodes: Vec<Node>,
@@ -66,11 +66,11 @@ pub(super) struct Search {
 
 /// The ends of a query and the pieces that hold them, edges included.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Query<'a> {
-    pub(super) start: LatticePoint,
-    pub(super) goal: LatticePoint,
-    pub(super) start_pieces: &'a [u32],
-    pub(super) goal_pieces: &'a [u32],
+pub(in crate::plan) struct Query<'a> {
+    pub(in crate::plan) start: LatticePoint,
+    pub(in crate::plan) goal: LatticePoint,
+    pub(in crate::plan) start_pieces: &'a [u32],
+    pub(in crate::plan) goal_pieces: &'a [u32],
 }
 
 impl Query<'_> {
@@ -91,7 +91,11 @@ struct Best {
 
 impl Search {
     /// The points of the shortest way, start and goal included; `None` if there is no way.
-    pub(super) fn shortest(&mut self, mesh: &Mesh, query: &Query) -> Option<Vec<LatticePoint>> {
+    pub(in crate::plan) fn shortest(
+        &mut self,
+        mesh: &Mesh,
+        query: &Query,
+    ) -> Option<Vec<LatticePoint>> {
         if query.start_pieces.iter().any(|piece| query.goal_pieces.contains(piece)) {
             return Some(vec![query.start, query.goal]);
         }
@@ -232,6 +236,11 @@ impl Search {
             let (right_at_end, left_at_end) = (cross(right, u) == 0, cross(left, w) == 0);
             let view = Some(View { right, left, right_at_end, left_at_end });
             self.made.push(Node { root, portal: portal_number, view });
+            return;
+        }
+        if dot(u, w) < 0 {
+            // On the portal: what lies beyond is in view.
+            self.made.push(Node { root, portal: portal_number, view: None });
             return;
         }
         // In line with the portal: the way goes along it to its nearer end and turns there.

@@ -250,7 +250,7 @@ mod tests {
     fn arena(boxes: &[[i32; 4]]) -> EnlargedArena {
         let inside = LatticeRect::new(0, 0, 12, 12);
         let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
-        EnlargedArena { border: inside, inside, boxes }
+        EnlargedArena::new(inside, inside, boxes)
     }
 
     #[test]

@@ -10,7 +10,7 @@ const SIZE: i32 = 12;
 fn arena(boxes: &[[i32; 4]]) -> EnlargedArena {
     let inside = LatticeRect::new(0, 0, SIZE, SIZE);
     let boxes = boxes.iter().map(|&[a, b, c, d]| LatticeRect::new(a, b, c, d)).collect();
-    EnlargedArena { border: inside, inside, boxes }
+    EnlargedArena::new(inside, inside, boxes)
 }
 
 /// The shortest way, checked against the oracle and the leg test.

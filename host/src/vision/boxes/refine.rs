@@ -6,6 +6,7 @@
 use super::projection::LeaningBox;
 use super::search::MOST_LEAN;
 use crate::geometry::{Arena, Point, Rect};
+use crate::scene::Obstacle;
 use crate::vision::appearance::{FOREIGN, Feature, Look, feature};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, step};
@@ -56,6 +57,12 @@ const UNSEEN_PIXELS: f64 = 3.0;
 pub(crate) struct Bounded {
     pub(crate) rect: Rect,
     pub(crate) margin: [f64; 4],
+}
+
+impl Bounded {
+    pub(crate) fn obstacle(&self) -> Obstacle {
+        Obstacle { margin: self.margin, ..self.rect.into() }
+    }
 }
 
 /// The tools that every edge of one picture needs.

@@ -259,6 +259,7 @@ fn widen<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Obstacle;
     use crate::vision::detect::{DetectOptions, Detection, detect};
     use crate::vision::image::Photo;
 
@@ -288,18 +289,14 @@ mod tests {
 
     /// How far a dark point sticks out of all shapes with their margins at most, metres.
     fn out_by(seen: &Detection, is_dark: impl Fn(Point) -> bool) -> f64 {
-        let covers = seen.obstacles.iter().zip(&seen.margins);
-        let covers: Vec<Rect> = covers
-            .map(|(r, [left, lower, right, upper])| {
-                Rect::new(r.x0 - left, r.y0 - lower, r.x1 + right, r.y1 + upper)
-            })
-            .collect();
-        let place = |i: u32| Point::new(f64::from(i % 480) / SCALE, f64::from(i / 480) / SCALE);
-        let beyond = |point: Point, r: &Rect| {
-            let x = (r.x0 - point.x).max(point.x - r.x1).max(0.0);
-            x.hypot((r.y0 - point.y).max(point.y - r.y1).max(0.0))
+        let distance = |point: Point, obstacle: &Obstacle| match obstacle.footprint.as_rect() {
+            Some(rect) => rect.widened(obstacle.margin).distance(point),
+            None => obstacle.footprint.distance(point) - obstacle.largest_margin(),
         };
-        let nearest = |point: Point| covers.iter().map(|r| beyond(point, r)).fold(9.0, f64::min);
+        let place = |i: u32| Point::new(f64::from(i % 480) / SCALE, f64::from(i / 480) / SCALE);
+        let nearest = |point: Point| {
+            seen.obstacles.iter().map(|obstacle| distance(point, obstacle)).fold(9.0, f64::min)
+        };
         (0..480 * 360).map(place).filter(|&p| is_dark(p)).map(nearest).fold(0.0, f64::max)
     }
 
@@ -316,7 +313,7 @@ mod tests {
             let is_dark = |point: Point| in_turned(point, degrees.to_radians(), 0.15, 0.08);
             let seen = seen(is_dark);
             let out = out_by(&seen, is_dark);
-            assert!(out < TOLERANCE, "{degrees}: {out} {:?} {:?}", seen.obstacles, seen.margins);
+            assert!(out < TOLERANCE, "{degrees}: {out} {:?}", seen.obstacles);
         }
     }
 

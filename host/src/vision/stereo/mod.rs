@@ -23,6 +23,7 @@ mod search;
 mod tests;
 
 use crate::geometry::{Arena, Point, Pose, wrap_angle};
+use crate::scene::Obstacle;
 use crate::vision::appearance::Look;
 use crate::vision::camera::Camera;
 use crate::vision::detect::{DetectOptions, Detection, check, upright};
@@ -32,7 +33,7 @@ use crate::vision::plan_view::{PlanFrame, plan_view};
 use crate::vision::robot::{self, RobotTop};
 use pair::{Pair, Sight};
 pub use raised::RaisedBox;
-use refine::refine;
+use refine::{Refined, refine};
 
 /// Cameras nearer to each other than this share of their height see no heights.
 const LEAST_BASELINE: f64 = 0.05;
@@ -46,10 +47,8 @@ const SAME_ROBOT: f64 = 0.03;
 /// What was seen in two pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairDetection {
-    /// Footprints, robot, margins and warnings; corners are those of the first picture.
+    /// Obstacles with their heights, robot and warnings; corners are those of the first picture.
     pub detection: Detection,
-    /// The height of each obstacle, metres.
-    pub heights: Vec<f64>,
     /// The pictures of the steps, if they were asked for.
     pub steps: Option<PairSteps>,
 }
@@ -109,9 +108,10 @@ pub struct PairSteps {
 /// let (a, b) = (photo(0.45)?, photo(1.15)?);
 /// let arena = Arena { width: 1.6, height: 1.2 };
 /// let seen = detect_pair([&a, &b], [&camera(0.45), &camera(1.15)], arena, &DetectOptions::default())?;
-/// let [found] = seen.detection.obstacles[..] else { panic!("one box") };
-/// assert!((found.x0 - 0.6).abs() < 0.01 && (found.y1 - 0.9).abs() < 0.01);
-/// assert!((seen.heights[0] - 0.3).abs() < 0.03);
+/// let [found] = seen.detection.obstacles.as_slice() else { panic!("one box") };
+/// let rect = found.footprint.bounds();
+/// assert!((rect.x0 - 0.6).abs() < 0.01 && (rect.y1 - 0.9).abs() < 0.01);
+/// assert!(found.height.is_some_and(|height| (height - 0.3).abs() < 0.03));
 /// # Ok::<(), VisionError>(())
 /// ```
 pub fn detect_pair(
@@ -138,10 +138,8 @@ pub fn detect_pair(
         boxes.iter().map(|&raised| refine(&sights, arena, &boxes, raised)).collect();
     let steps = options.keep_steps.then(|| steps(&sights, &pair, &refined));
     Ok(PairDetection {
-        heights: refined.iter().map(|seen| seen.raised.height).collect(),
         detection: Detection {
-            obstacles: refined.iter().map(|seen| upright(seen.raised.base)).collect(),
-            margins: refined.iter().map(|seen| seen.margin).collect(),
+            obstacles: refined.iter().map(obstacle).collect(),
             corners_px: sights[0].map.seen_corners(arena),
             robot: robot_pose(&sights, options),
             confidence: 1.0 - share,
@@ -150,6 +148,14 @@ pub fn detect_pair(
         },
         steps,
     })
+}
+
+fn obstacle(seen: &Refined) -> Obstacle {
+    Obstacle {
+        height: Some(seen.raised.height),
+        margin: seen.margin,
+        ..upright(seen.raised.base).into()
+    }
 }
 
 /// What to say of floor in square metres on which the pictures disagree without a box that explains it.

@@ -83,10 +83,13 @@ fn seen(boxes: &[RaisedBox], shadow: Rect) -> PairDetection {
 
 fn agrees(seen: &PairDetection, truth: RaisedBox) -> bool {
     let edges = |rect: Rect| <[f64; 4]>::from(rect);
-    seen.detection.obstacles.iter().zip(&seen.heights).any(|(&found, height)| {
-        let worst = edges(found).into_iter().zip(edges(truth.base)).map(|(a, b)| (a - b).abs());
+    seen.detection.obstacles.iter().any(|found| {
+        let worst = edges(found.footprint.bounds())
+            .into_iter()
+            .zip(edges(truth.base))
+            .map(|(a, b)| (a - b).abs());
         worst.fold(0.0, f64::max) < EDGE_TOLERANCE
-            && (height - truth.height).abs() < HEIGHT_TOLERANCE
+            && found.height.is_some_and(|height| (height - truth.height).abs() < HEIGHT_TOLERANCE)
     })
 }
 
@@ -99,20 +102,15 @@ fn footprints_and_heights_are_found_and_shadow_is_none() {
         RaisedBox { base: Rect::new(1.2, 0.25, 1.35, 0.6), height: 0.15 },
     ];
     let seen = seen(&boxes, SHADOW);
-    assert_eq!(seen.heights.len(), 2, "{:?}", seen.detection);
-    assert!(
-        boxes.iter().all(|&truth| agrees(&seen, truth)),
-        "{:?} {:?}",
-        seen.detection,
-        seen.heights
-    );
+    assert_eq!(seen.detection.obstacles.len(), 2, "{:?}", seen.detection);
+    assert!(boxes.iter().all(|&truth| agrees(&seen, truth)), "{:?}", seen.detection);
     assert_eq!(seen.steps.map(|steps| steps.boxes.len()), Some(2));
 }
 
 #[test]
 fn shadow_alone_is_an_empty_arena() {
     let seen = seen(&[], SHADOW);
-    assert!(seen.heights.is_empty(), "{:?}", seen.detection);
+    assert!(seen.detection.obstacles.is_empty(), "{:?}", seen.detection);
 }
 
 #[test]
@@ -136,7 +134,7 @@ proptest! {
     ) {
         let truth = RaisedBox { base: Rect::new(x, y, x + width, y + depth), height };
         let seen = seen(&[truth], Rect::new(0.02, 1.0, 0.3, 1.15));
-        prop_assert_eq!(seen.heights.len(), 1, "{:?}", seen.detection);
-        prop_assert!(agrees(&seen, truth), "{:?} {:?}", seen.detection, seen.heights);
+        prop_assert_eq!(seen.detection.obstacles.len(), 1, "{:?}", seen.detection);
+        prop_assert!(agrees(&seen, truth), "{:?}", seen.detection);
     }
 }

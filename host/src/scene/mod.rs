@@ -3,8 +3,12 @@
 //! It stands between vision, which makes one, and the grid method, which plans on it; it can be
 //! edited by hand and used instead of the photo. Metres and radians in the arena frame.
 
+mod file;
+
 use crate::geometry::{Arena, Point, Pose, Rect};
+use crate::shape::{Shape, ShapeError};
 use crate::vision::Detection;
+use file::SceneFile;
 use serde::{Deserialize, Serialize};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V]; used where no input names one.
@@ -15,40 +19,59 @@ pub const DEFAULT_ROBOT_RADIUS: f64 = 0.075;
 /// In memory all points are in the arena frame. In a file with an `origin` they are in the frame of the
 /// map that the scene comes from: reading and writing move them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[serde(try_from = "SceneFile", into = "SceneFile")]
 pub struct Scene {
-    /// Names the format and its version.
+    /// Names the format in which the scene is written.
     pub format: SceneFormat,
     /// The floor's size.
     pub arena: Arena,
     /// Where the arena's lower left corner lies in the frame of the map that the scene comes from,
     /// metres; `None` where the arena frame is the only one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin: Option<Point>,
     /// The radius of the disc that covers the robot, metres.
-    #[serde(default = "default_robot_radius")]
     pub robot_radius: f64,
-    /// Footprints of the obstacles, metres.
-    pub obstacles: Vec<Rect>,
+    /// The obstacles; errors and pictures count them from 1.
+    pub obstacles: Vec<Obstacle>,
     /// Where the robot stands, if known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Pose>,
     /// Where the robot is to go, if known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<Goal>,
     /// Start and goal pairs of a benchmark arena.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub queries: Vec<Query>,
 }
 
+/// Something that the robot must not touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// What it covers of the floor.
+    pub footprint: Shape,
+    /// How much further out its left, lower, right and upper edge may lie, metres; for shapes other than
+    /// upright rectangles all four are the same.
+    pub margin: [f64; 4],
+    /// How high it is, metres, if known.
+    pub height: Option<f64>,
+}
+
+impl Obstacle {
+    /// The margin as one number, metres: the largest of the four.
+    pub fn largest_margin(&self) -> f64 {
+        self.margin.into_iter().fold(0.0, f64::max)
+    }
+}
+
+impl<T: Into<Shape>> From<T> for Obstacle {
+    /// An obstacle whose edges are known exactly.
+    fn from(footprint: T) -> Self {
+        Self { footprint: footprint.into(), margin: [0.0; 4], height: None }
+    }
+}
+
 /// The tag at the head of a scene file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
     /// One arena with at most one start and one goal.
-    #[serde(rename = "wmr-scene/1")]
     Scene,
     /// One arena with many queries.
-    #[serde(rename = "wmr-arena/1")]
     Arena,
 }
 
@@ -90,6 +113,49 @@ pub enum SceneError {
         /// What it must hold.
         need: &'static str,
     },
+    /// An obstacle is no shape.
+    #[error("obstacle {number}: {why}")]
+    Shape {
+        /// The obstacle, counted from 1.
+        number: usize,
+        /// What is wrong with it.
+        why: ShapeError,
+    },
+    /// A polygon or disc has no part in the arena.
+    #[error(
+        "obstacle {number} lies outside the arena: it reaches from ({:.3}, {:.3}) to ({:.3}, {:.3}) m",
+        .bounds.x0, .bounds.y0, .bounds.x1, .bounds.y1
+    )]
+    Outside {
+        /// The obstacle, counted from 1.
+        number: usize,
+        /// The rectangle around it.
+        bounds: Rect,
+    },
+    /// A margin is no distance, or one of four where the shape takes a single one.
+    #[error("the margin of obstacle {number} is {value} m; it must be finite and at least 0")]
+    Margin {
+        /// The obstacle, counted from 1.
+        number: usize,
+        /// What was given, metres.
+        value: f64,
+    },
+    /// Four margins for a shape that has no left, lower, right and upper edge.
+    #[error("obstacle {number} is no upright rectangle, so its margin is one number, not four")]
+    FourMargins {
+        /// The obstacle, counted from 1.
+        number: usize,
+    },
+    /// There are more margins than obstacles, or fewer.
+    #[error(
+        "there are {margins} margins for {obstacles} obstacles; give one for each, or none at all"
+    )]
+    MarginCount {
+        /// How many margins there are.
+        margins: usize,
+        /// How many obstacles there are.
+        obstacles: usize,
+    },
 }
 
 impl Scene {
@@ -108,30 +174,29 @@ impl Scene {
     }
 
     /// The scene that was seen in a photo of an `arena`, for a robot of `robot_radius` metres: it starts
-    /// where the robot was seen. How much further out each edge may lie stays in
-    /// [`Detection::margins`], for [`Margin::per_obstacle`](crate::grid::Margin).
+    /// where the robot was seen.
     pub fn from_detection(detection: &Detection, arena: Arena, robot_radius: f64) -> Self {
         let obstacles = detection.obstacles.clone();
         let start = detection.robot;
         Self { robot_radius, obstacles, start, ..Self::new(arena.width, arena.height) }
     }
 
-    /// Reads a scene from the text of a `wmr-scene/1` or `wmr-arena/1` file.
+    /// Reads a scene from the text of a `wmr-scene/2`, `wmr-scene/1` or `wmr-arena/1` file.
     ///
     /// # Errors
     /// [`SceneError`] if the text is not of the format or a number in it makes no sense.
     ///
     /// ```
     /// let scene = wmr::scene::Scene::from_json(
-    ///     r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.5,0,1,0.5]]}"#,
+    ///     r#"{"format": "wmr-scene/2", "arena": {"width": 2, "height": 1}, "obstacles": [
+    ///         [0.5, 0, 1, 0.5], {"circle": [1.4, 0.5, 0.1]}, {"polygon": [[0, 0], [0.3, 0], [0, 0.3]]}
+    ///     ]}"#,
     /// )?;
-    /// assert_eq!(scene.obstacles.len(), 1);
+    /// assert_eq!(scene.obstacles.len(), 3);
     /// # Ok::<(), wmr::scene::SceneError>(())
     /// ```
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
-        let scene: Self = serde_json::from_str(text)?;
-        scene.check()?;
-        Ok(scene)
+        serde_json::from_str::<SceneFile>(text)?.try_into()
     }
 
     /// Makes sure that every number makes sense; [`from_json`](Self::from_json) has done so.
@@ -156,31 +221,31 @@ impl Scene {
                 return Err(SceneError::Value { what, value, need: "it must be finite" });
             }
         }
-        for rect in &self.obstacles {
-            ordered("an obstacle's right edge", rect.x0, rect.x1)?;
-            ordered("an obstacle's upper edge", rect.y0, rect.y1)?;
-        }
-        Ok(())
+        let floor = Rect::new(0.0, 0.0, self.arena.width, self.arena.height);
+        let numbered = self.obstacles.iter().enumerate();
+        numbered
+            .map(|(index, obstacle)| (index + 1, obstacle))
+            .try_for_each(|(number, obstacle)| check_obstacle(obstacle, floor, number))
     }
 }
 
-impl Serialize for Scene {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.origin {
-            Some(origin) => Self::serialize(&self.moved_by(origin.x, origin.y), serializer),
-            None => Self::serialize(self, serializer),
+fn check_obstacle(obstacle: &Obstacle, floor: Rect, number: usize) -> Result<(), SceneError> {
+    let Obstacle { footprint, margin, .. } = obstacle;
+    footprint.check().map_err(|why| SceneError::Shape { number, why })?;
+    if let Some(&value) = margin.iter().find(|metres| !(metres.is_finite() && **metres >= 0.0)) {
+        return Err(SceneError::Margin { number, value });
+    }
+    // Rectangles outside have always been allowed: map tools and older files leave some behind.
+    if footprint.as_rect().is_none() {
+        let bounds = footprint.bounds();
+        if !bounds.overlaps(floor) {
+            return Err(SceneError::Outside { number, bounds });
+        }
+        if margin.iter().any(|&edge| edge != margin[0]) {
+            return Err(SceneError::FourMargins { number });
         }
     }
-}
-
-impl<'de> Deserialize<'de> for Scene {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let scene = Self::deserialize(deserializer)?;
-        Ok(match scene.origin {
-            Some(origin) => scene.moved_by(-origin.x, -origin.y),
-            None => scene,
-        })
-    }
+    Ok(())
 }
 
 impl Scene {
@@ -189,10 +254,11 @@ impl Scene {
         let point = |at: Point| Point::new(at.x + x, at.y + y);
         let pose = |at: Pose| Pose { position: point(at.position), ..at };
         let goal = |at: Goal| Goal { position: point(at.position), ..at };
-        let rect = |of: &Rect| Rect::new(of.x0 + x, of.y0 + y, of.x1 + x, of.y1 + y);
+        let obstacle =
+            |of: &Obstacle| Obstacle { footprint: of.footprint.moved_by(x, y), ..of.clone() };
         let query = |of: &Query| Query { start: point(of.start), goal: point(of.goal), ..*of };
         Self {
-            obstacles: self.obstacles.iter().map(rect).collect(),
+            obstacles: self.obstacles.iter().map(obstacle).collect(),
             start: self.start.map(pose),
             goal: self.goal.map(goal),
             queries: self.queries.iter().map(query).collect(),
@@ -201,27 +267,11 @@ impl Scene {
     }
 }
 
-fn default_robot_radius() -> f64 {
-    DEFAULT_ROBOT_RADIUS
-}
-
 fn positive(what: &'static str, value: f64) -> Result<(), SceneError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
         Err(SceneError::Value { what, value, need: "it must be above 0 and finite" })
-    }
-}
-
-fn ordered(what: &'static str, low: f64, high: f64) -> Result<(), SceneError> {
-    if low < high && low.is_finite() && high.is_finite() {
-        Ok(())
-    } else {
-        Err(SceneError::Value {
-            what,
-            value: high,
-            need: "it must be finite and greater than the opposite edge (order: x0, y0, x1, y1)",
-        })
     }
 }
 
@@ -252,7 +302,7 @@ mod tests {
     #[test]
     fn a_written_scene_reads_back_equal() {
         let mut scene = Scene::new(1.6, 2.0);
-        scene.obstacles.push(Rect::new(0.1, 0.2, 0.3, 0.4));
+        scene.obstacles.push(Rect::new(0.1, 0.2, 0.3, 0.4).into());
         scene.start = Some(Pose::new(0.2, 0.3, 1.0));
         scene.goal = Some(Goal { position: Point::new(1.0, 1.5), heading: None });
         let text = serde_json::to_string(&scene).unwrap();
@@ -263,7 +313,7 @@ mod tests {
     fn a_scene_of_a_map_is_written_in_the_frame_of_the_map() {
         let mut scene = Scene::new(2.0, 1.0);
         scene.origin = Some(Point::new(-1.0, -0.5));
-        scene.obstacles.push(Rect::new(0.25, 0.5, 0.75, 1.0));
+        scene.obstacles.push(Rect::new(0.25, 0.5, 0.75, 1.0).into());
         scene.start = Some(Pose::new(0.5, 0.25, 1.0));
         let text = serde_json::to_string(&scene).unwrap();
         assert!(text.contains(r#""origin":[-1.0,-0.5]"#), "{text}");
