@@ -142,7 +142,7 @@ pub fn detect(
     let found = match options.method {
         Method::Paper => {
             let boxes = paper_rectangles(photo, &map, arena, top);
-            Found { boxes, leans: None, has_lines: false }
+            Found { boxes, shapes: Vec::new(), leans: None, has_lines: false }
         }
         Method::Robust => boxes::find(photo, &map, look, top, viewpoint),
     };
@@ -159,7 +159,7 @@ pub fn detect(
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
     Ok(Detection {
-        obstacles: boxes.iter().map(Bounded::obstacle).collect(),
+        obstacles: boxes.iter().map(Bounded::obstacle).chain(found.shapes).collect(),
         corners_px: map.seen_corners(arena),
         robot,
         confidence,

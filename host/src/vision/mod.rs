@@ -40,6 +40,7 @@ mod camera;
 mod detect;
 mod error;
 mod image;
+mod outline;
 mod paper;
 mod plan_view;
 mod robot;

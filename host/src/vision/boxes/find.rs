@@ -13,6 +13,7 @@ use super::refine::{Bounded, Sharpener};
 use super::search::Search;
 use super::uncovered::Explained;
 use crate::geometry::{Point, Rect};
+use crate::scene::Obstacle;
 use crate::vision::appearance::{Look, Shadow};
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
@@ -32,6 +33,8 @@ const CLEARLY: f32 = 0.9;
 /// The boxes of a picture.
 pub(crate) struct Found {
     pub(crate) boxes: Vec<Bounded>,
+    /// What is no upright box.
+    pub(crate) shapes: Vec<Obstacle>,
     /// Whether they lean; unknown without boxes.
     pub(crate) leans: Option<bool>,
     /// Whether thin lines from side to side were taken for lines on the floor.
@@ -69,7 +72,7 @@ pub(crate) fn find(
         }
     }
     let Some(Reading { shadow, evidence, scene: first, .. }) = best else {
-        return Found { boxes: Vec::new(), leans: None, has_lines: false };
+        return Found { boxes: vec![], shapes: vec![], leans: None, has_lines: false };
     };
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
@@ -170,8 +173,16 @@ impl Picture<'_> {
         let Scene { foot, lamp, leans, .. } = scene;
         let (look, robot) = (self.look, self.robot);
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
-        let has_lines = explained.complete(&mut boxes);
-        Found { boxes, leans, has_lines }
+        let shaped = explained.shapes();
+        let is_kept = |index: usize| !shaped.iter().any(|of| of.replaces.contains(&index));
+        let keep = |index: &usize| is_kept(*index);
+        let outlines: Vec<LeaningBox> =
+            (0..outlines.len()).filter(keep).map(|i| outlines[i]).collect();
+        boxes = (0..boxes.len()).filter(keep).map(|index| boxes[index]).collect();
+        let shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
+        let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
+        let has_lines = explained.complete(&shapes, &mut boxes);
+        Found { boxes, shapes, leans, has_lines }
     }
 
     fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {

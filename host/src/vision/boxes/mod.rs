@@ -12,6 +12,7 @@ mod projection;
 mod proposals;
 mod refine;
 mod search;
+mod shaped;
 mod uncovered;
 
 pub(crate) use evidence::Evidence;

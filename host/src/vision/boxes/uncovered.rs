@@ -14,7 +14,9 @@ use super::implausible::{fades_into_floor, is_part_of_robot};
 use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::refine::Bounded;
+use super::shaped::{Patches, Shaped};
 use crate::geometry::{Arena, Point, Rect};
+use crate::scene::Obstacle;
 use crate::vision::appearance::{FOREIGN, Look};
 use crate::vision::image::{CellRect, LEAST_CELLS, Raster, around, cut, greatest, marked, regions};
 use crate::vision::robot::RobotTop;
@@ -40,6 +42,11 @@ const LINE_END: f64 = 0.04;
 const STRIP_WIDTH: f64 = 0.06;
 /// The visible foot of a wall is no wider than this, metres.
 const WALL_FOOT: f64 = 0.035;
+/// A patch of this size may have a shape of its own, square metres and cells.
+const LEAST_SHAPED: f64 = 0.0002;
+const LEAST_SHAPED_CELLS: f64 = 24.0;
+/// Cells this near to a shape's outline are blurred with it.
+const SHAPE_BLUR: f64 = 2.0;
 /// Half of the least cells of a patch are this many times as far from floor as the limit.
 const LEAST_PEAK: f32 = 1.8;
 
@@ -55,10 +62,47 @@ pub(crate) struct Explained<'a> {
 }
 
 impl Explained<'_> {
+    /// The shapes of what upright boxes explain badly, with the boxes that they replace.
+    pub(super) fn shapes(&self) -> Vec<Shaped> {
+        let distances = self.distances(&|_| false);
+        let foreign = distances.map(|distance| distance > FOREIGN);
+        let (frame, width) = (self.look.view, foreign.width());
+        let shade = Raster::from_fn(width, foreign.height(), |column, row| {
+            let cell = row * width + column;
+            let point = frame.point(column as f64, row as f64);
+            let difference = || self.look.floor.difference(point, self.look.features.cells()[cell]);
+            foreign.cells()[cell] && difference().floor <= FOREIGN
+        });
+        let (boxes, foot) = (self.boxes, self.foot);
+        let is_lit = self.lamp.is_some();
+        let patches = Patches { frame, distances: &distances, shade: &shade, boxes, foot, is_lit };
+        let least = (LEAST_SHAPED * frame.scale.powi(2)).max(LEAST_SHAPED_CELLS) as usize;
+        let is_shape = |patch: &Vec<usize>| {
+            let rect = self.metres(around(patch, width));
+            patch.len() >= least
+                && is_sure(&distances, patch)
+                && !is_along_wall(rect, frame.arena)
+                && !joins_opposite_sides(rect, frame.arena)
+                && !is_part_of_robot(rect, self.robot)
+                && !fades_into_floor(rect, self.look)
+        };
+        regions(&foreign)
+            .iter()
+            .filter(|patch| is_shape(patch))
+            .filter_map(|patch| patches.shape_of(patch))
+            .collect()
+    }
+
     /// Widens the margins of `bounded`, one for each of the boxes, by what sticks out a little, and adds
-    /// rectangles around all else that is not explained. Whether lines on the floor were left out.
-    pub(crate) fn complete(&self, bounded: &mut Vec<Bounded>) -> bool {
-        let distances = self.distances();
+    /// rectangles around all else that neither they nor `shapes` explain. Whether lines on the floor were
+    /// left out.
+    pub(crate) fn complete(&self, shapes: &[Obstacle], bounded: &mut Vec<Bounded>) -> bool {
+        let blur = SHAPE_BLUR / self.look.view.scale;
+        let is_of_shape = |point: Point| {
+            let near = |of: &Obstacle| of.footprint.distance(point) < of.largest_margin() + blur;
+            shapes.iter().any(near)
+        };
+        let distances = self.distances(&|point| self.is_of_box(point) || is_of_shape(point));
         let foreign = distances.map(|distance| distance > FOREIGN);
         let arena = self.look.frame.arena;
         let width = foreign.width();
@@ -74,10 +118,7 @@ impl Explained<'_> {
             }
         }
         for patch in &patches {
-            let peaks =
-                patch.iter().filter(|&&cell| distances.cells()[cell] > LEAST_PEAK * FOREIGN);
-            let is_sure = patch.len() >= LEAST_CELLS && peaks.count() >= LEAST_CELLS / 2;
-            self.add(patch, width, is_sure, &outlines, bounded);
+            self.add(patch, width, is_sure(&distances, patch), &outlines, bounded);
         }
         has_lines
     }
@@ -161,8 +202,9 @@ impl Explained<'_> {
         Rect::new(low.x, low.y, high.x, high.y)
     }
 
-    /// How far from floor every cell is that nothing explains, standard deviations; 0 for the others.
-    fn distances(&self) -> Raster<f32> {
+    /// How far from floor every cell is that nothing explains, standard deviations; 0 for the others, and
+    /// where something `is_explained`.
+    fn distances(&self, is_explained: &dyn Fn(Point) -> bool) -> Raster<f32> {
         let (frame, features) = (&self.look.view, &self.look.features);
         let border = (BORDER_CELLS / frame.scale).max(BORDER_METRES);
         let width = features.width();
@@ -173,7 +215,7 @@ impl Explained<'_> {
             }
             let difference =
                 self.look.floor.difference(point, features.cells()[row * width + column]);
-            if difference.lit <= FOREIGN || self.is_of_robot(point) || self.is_of_box(point) {
+            if difference.lit <= FOREIGN || self.is_of_robot(point) || is_explained(point) {
                 return 0.0;
             }
             let floor = difference.floor;
@@ -197,8 +239,14 @@ impl Explained<'_> {
     }
 }
 
+/// Whether a patch is surely no noise.
+fn is_sure(distances: &Raster<f32>, patch: &[usize]) -> bool {
+    let peaks = patch.iter().filter(|&&cell| distances.cells()[cell] > LEAST_PEAK * FOREIGN);
+    patch.len() >= LEAST_CELLS && peaks.count() >= LEAST_CELLS / 2
+}
+
 /// Whether a point lies in an outline, or within `slack` metres of it.
-fn spans(seen: LeaningBox, foot: Option<Point>, point: Point, slack: f64) -> bool {
+pub(super) fn spans(seen: LeaningBox, foot: Option<Point>, point: Point, slack: f64) -> bool {
     let Rect { x0, y0, x1, y1 } = seen.base;
     let base = Rect::new(x0 - slack, y0 - slack, x1 + slack, y1 + slack);
     match foot {
@@ -259,7 +307,7 @@ fn widen<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Obstacle;
+    use crate::shape::Shape;
     use crate::vision::detect::{DetectOptions, Detection, detect};
     use crate::vision::image::Photo;
 
@@ -315,6 +363,23 @@ mod tests {
             let out = out_by(&seen, is_dark);
             assert!(out < TOLERANCE, "{degrees}: {out} {:?}", seen.obstacles);
         }
+    }
+
+    /// A quarter of a pixel more or less at every edge is two per cent of the area of such a box.
+    #[test]
+    fn a_turned_box_and_a_disc_are_one_shape_each() {
+        let is_dark = |point: Point| in_turned(point, 0.5, 0.15, 0.08);
+        let [turned] = &seen(is_dark).obstacles[..] else {
+            panic!("{:?}", seen(is_dark).obstacles)
+        };
+        let Shape::Polygon(polygon) = &turned.footprint else { panic!("{turned:?}") };
+        assert_eq!(polygon.corners().len(), 4);
+        assert!((polygon.area() - 0.048).abs() < 0.02 * 0.048, "{}", polygon.area());
+        let disc = |point: Point| point.distance(Point::new(0.6, 0.45)) < 0.11;
+        let [round] = &seen(disc).obstacles[..] else { panic!("{:?}", seen(disc).obstacles) };
+        let Shape::Circle(circle) = round.footprint else { panic!("{round:?}") };
+        assert!((circle.radius - 0.11).abs() < 0.25 / SCALE, "{circle:?}");
+        assert!(circle.centre.distance(Point::new(0.6, 0.45)) < 0.001, "{circle:?}");
     }
 
     #[test]

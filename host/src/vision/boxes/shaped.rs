@@ -1,0 +1,227 @@
+//! What upright boxes explain badly is taken by its own outline: turned boxes, discs, cut card.
+//!
+//! All cells of one connected patch that are neither floor nor shadow are held against the boxes that were
+//! found there. Where boxes and patch differ by more than blur and a simple shape agrees clearly better, and
+//! its edges are turned against the arena's, that shape replaces the boxes. Metres in the arena frame;
+//! patches are sought in the plan view.
+//!
+//! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
+
+use super::projection::LeaningBox;
+use super::uncovered::spans;
+use crate::geometry::{Arena, Point};
+use crate::scene::Obstacle;
+use crate::shape::{Polygon, Shape};
+use crate::vision::appearance::FOREIGN;
+use crate::vision::image::{Raster, around};
+use crate::vision::outline::{FittedShape, contour, fit};
+use crate::vision::plan_view::PlanFrame;
+
+/// Boxes that share this much of their area and a patch's, joined, explain the patch.
+const WELL_EXPLAINED: f64 = 0.93;
+/// A shape replaces them if it shares so much more.
+const CLEARLY_BETTER: f64 = 0.03;
+/// A box belongs to a patch if so much of it lies there.
+const LIES_IN: f64 = 0.5;
+/// A contour is followed to this many cells.
+const TOLERANCE_CELLS: f64 = 1.25;
+/// An edge runs where the difference to the floor is this part of the greatest within so many cells.
+const HALF: f32 = 0.5;
+const NEAR_CELLS: i64 = 3;
+/// A shape's outline encloses at most so much more than its patch has cells: a ring is no shape.
+const MOST_ENCLOSED: f64 = 1.15;
+/// More of a patch than this may not be shadow.
+const MOST_SHADED: f64 = 0.1;
+/// An edge of this direction or less against the arena's is upright, radians; so much of a shape's outline
+/// must be turned by more.
+const UPRIGHT: f64 = 0.06;
+const LEAST_TURNED: f64 = 0.4;
+/// With more corners than these only so many edges may be shorter than this share of the outline; none
+/// where a known light casts shadows, which leave ragged outlines.
+const PLAIN_CORNERS: usize = 5;
+const FEW_SHORT: usize = 5;
+const SHORT_EDGE: f64 = 0.045;
+/// What ends this near to the border, cells, ends at it.
+const BORDER_CELLS: f64 = 2.5;
+
+/// A shape, the boxes that it replaces, and the patch that it explains.
+pub(super) struct Shaped {
+    pub(super) obstacle: Obstacle,
+    /// The indices of the boxes.
+    pub(super) replaces: Vec<usize>,
+}
+
+/// What is known where patches are held against boxes.
+pub(super) struct Patches<'a> {
+    pub(super) frame: PlanFrame,
+    /// How far from floor each cell is, standard deviations; 0 where nothing is sought.
+    pub(super) distances: &'a Raster<f32>,
+    /// Which cells may be shadow.
+    pub(super) shade: &'a Raster<bool>,
+    pub(super) boxes: &'a [LeaningBox],
+    pub(super) foot: Option<Point>,
+    /// Whether a light is known that casts shadows.
+    pub(super) is_lit: bool,
+}
+
+impl Patches<'_> {
+    /// The shape that explains a patch clearly better than the boxes that were found there.
+    pub(super) fn shape_of(&self, patch: &[usize]) -> Option<Shaped> {
+        let width = self.distances.width();
+        let shaded = patch.iter().filter(|&&cell| self.shade.cells()[cell]).count();
+        // A box and its shadow have one outline, which is that of neither.
+        if shaded as f64 > MOST_SHADED * patch.len() as f64 {
+            return None;
+        }
+        let bounds = around(patch, width);
+        let mut is_of_patch = Raster::filled(width, self.distances.height(), false);
+        patch.iter().for_each(|&cell| is_of_patch.cells_mut()[cell] = true);
+        let point = |cell: usize| self.frame.point((cell % width) as f64, (cell / width) as f64);
+        let replaces = self.boxes_in(&is_of_patch);
+        let in_boxes =
+            |at: Point| replaces.iter().any(|&index| spans(self.boxes[index], self.foot, at, 0.0));
+        let reach = 8;
+        let rows =
+            bounds.y0.saturating_sub(reach)..(bounds.y1 + reach).min(self.distances.height());
+        let cells: Vec<usize> = rows
+            .flat_map(|row| {
+                let columns = bounds.x0.saturating_sub(reach)..(bounds.x1 + reach).min(width);
+                columns.map(move |column| row * width + column)
+            })
+            .collect();
+        let agreement = |holds: &dyn Fn(Point) -> bool| {
+            let (mut both, mut any) = (0.0, 0.0);
+            for &cell in &cells {
+                let (held, seen) = (holds(point(cell)), is_of_patch.cells()[cell]);
+                both += f64::from(u8::from(held && seen));
+                any += f64::from(u8::from(held || seen));
+            }
+            both / any
+        };
+        let explained = agreement(&in_boxes);
+        if explained > WELL_EXPLAINED {
+            return None;
+        }
+        let fitted = self.fitted(patch, &is_of_patch)?;
+        let better = agreement(&|at| fitted.shape.contains(at));
+        let encloses = fitted.shape.area() * self.frame.scale.powi(2) / patch.len() as f64;
+        let is_taken = better > explained + CLEARLY_BETTER
+            && encloses < MOST_ENCLOSED
+            && turned_share(&fitted.shape) > LEAST_TURNED
+            && !is_ragged(&fitted.shape, if self.is_lit { 0 } else { FEW_SHORT });
+        let margin = [fitted.margin + 0.5 / self.frame.scale; 4];
+        let obstacle = Obstacle { footprint: fitted.shape, margin, height: None };
+        is_taken.then_some(Shaped { obstacle, replaces })
+    }
+
+    /// The boxes that lie in a patch.
+    fn boxes_in(&self, is_of_patch: &Raster<bool>) -> Vec<usize> {
+        let (width, height) = (is_of_patch.width() as i64, is_of_patch.height() as i64);
+        let lies_in = |index: &usize| {
+            let base = self.boxes[*index].base;
+            let (left, top) = self.frame.cell(Point::new(base.x0, base.y1));
+            let (right, low) = self.frame.cell(Point::new(base.x1, base.y0));
+            let (mut inside, mut all) = (0.0, 0.0);
+            for y in (top.ceil() as i64).max(0)..=(low.floor() as i64).min(height - 1) {
+                for x in (left.ceil() as i64).max(0)..=(right.floor() as i64).min(width - 1) {
+                    all += 1.0;
+                    inside += f64::from(u8::from(is_of_patch.get(x, y) == Some(true)));
+                }
+            }
+            inside > LIES_IN * f64::max(all, 1.0)
+        };
+        (0..self.boxes.len()).filter(lies_in).collect()
+    }
+
+    /// The shape of a patch's outline.
+    fn fitted(&self, patch: &[usize], is_of_patch: &Raster<bool>) -> Option<FittedShape> {
+        let width = self.distances.width();
+        let mut values = Raster::filled(width, self.distances.height(), 0.0_f32);
+        // The cells around the patch as well: an edge lies between two cells.
+        let reach = around(patch, width);
+        let rows = reach.y0.saturating_sub(1)..(reach.y1 + 1).min(self.distances.height());
+        for row in rows {
+            for column in reach.x0.saturating_sub(1)..(reach.x1 + 1).min(width) {
+                let cell = row * width + column;
+                let value = self.level(column as i64, row as i64, is_of_patch);
+                // What belongs to another patch is not this one's outside to any degree.
+                values.cells_mut()[cell] =
+                    if is_of_patch.cells()[cell] { value } else { value.min(0.999) };
+            }
+        }
+        let inside = values.map(|value| value >= 1.0);
+        let (regions, count) = inside.regions(true);
+        let mut sizes = vec![0_usize; count + 1];
+        regions.cells().iter().for_each(|&region| sizes[region as usize] += 1);
+        let largest = (1..=count).max_by_key(|&region| sizes[region])?;
+        // Where blur joins two patches by a bridge the outline of one is not that of the whole.
+        if (sizes[largest] as f64) < 0.8 * patch.len() as f64 {
+            return None;
+        }
+        let first = regions.cells().iter().position(|&region| region as usize == largest)?;
+        let contour = contour(&values, first);
+        let points: Vec<Point> = contour
+            .into_iter()
+            .map(|(column, row)| self.to_border(self.frame.point(column, row)))
+            .collect();
+        fit(&points, TOLERANCE_CELLS / self.frame.scale)
+    }
+
+    /// How far inside of the edge a cell is: at least 1 inside, below 1 outside.
+    fn level(&self, column: i64, row: i64, is_of_patch: &Raster<bool>) -> f32 {
+        let at = |x: i64, y: i64| self.distances.get(x, y).unwrap_or(0.0);
+        let mut greatest = FOREIGN;
+        for y in row - NEAR_CELLS..=row + NEAR_CELLS {
+            for x in column - NEAR_CELLS..=column + NEAR_CELLS {
+                if is_of_patch.get(x, y) == Some(true) {
+                    greatest = greatest.max(at(x, y));
+                }
+            }
+        }
+        let distance = at(column, row);
+        (distance / (HALF * greatest)).min(distance / FOREIGN)
+    }
+
+    /// A point, moved onto the arena's border if it is that near.
+    fn to_border(&self, point: Point) -> Point {
+        let reach = BORDER_CELLS / self.frame.scale + 0.004;
+        let Arena { width, height } = self.frame.arena;
+        let snap = |at: f64, whole: f64| match at {
+            at if at < reach => 0.0,
+            at if at > whole - reach => whole,
+            at => at,
+        };
+        Point::new(snap(point.x, width), snap(point.y, height))
+    }
+}
+
+/// Whether a polygon has many corners and `most` short edges between them at least, as noise and shadow
+/// make them.
+fn is_ragged(shape: &Shape, most: usize) -> bool {
+    let Shape::Polygon(polygon) = shape else { return false };
+    let lengths: Vec<f64> = polygon.edges().map(|(a, b)| a.distance(b)).collect();
+    let short = SHORT_EDGE * lengths.iter().sum::<f64>();
+    lengths.len() > PLAIN_CORNERS && lengths.iter().filter(|&&length| length < short).count() > most
+}
+
+/// The share of a shape's outline that is turned against the arena's sides.
+fn turned_share(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Rect(_) => 0.0,
+        Shape::Circle(_) => 1.0,
+        Shape::Polygon(polygon) => turned_part(polygon),
+    }
+}
+
+fn turned_part(polygon: &Polygon) -> f64 {
+    let (mut turned, mut all) = (0.0, 0.0);
+    for (a, b) in polygon.edges() {
+        let length = a.distance(b);
+        let (across, along) = ((b.x - a.x).abs().min((b.y - a.y).abs()), length);
+        all += length;
+        if across > along * UPRIGHT.sin() {
+            turned += length;
+        }
+    }
+    turned / all
+}
