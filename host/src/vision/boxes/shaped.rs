@@ -1,15 +1,15 @@
 //! What upright boxes explain badly is taken by its own outline: turned boxes, discs, cut card.
 //!
 //! All cells of one connected patch that are neither floor nor shadow are held against the boxes that were
-//! found there. Where boxes and patch differ by more than blur and a simple shape agrees clearly better, and
-//! its edges are turned against the arena's, that shape replaces the boxes. Metres in the arena frame;
+//! found there. Where boxes and patch differ by more than blur and a simple shape agrees clearly better, that
+//! shape replaces the boxes. Metres in the arena frame;
 //! patches are sought in the plan view.
 //!
 //! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
 
 use super::projection::LeaningBox;
 use super::uncovered::spans;
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Arena, Point, Rect};
 use crate::scene::Obstacle;
 use crate::shape::{Polygon, Shape};
 use crate::vision::appearance::FOREIGN;
@@ -21,6 +21,8 @@ use crate::vision::plan_view::PlanFrame;
 const WELL_EXPLAINED: f64 = 0.93;
 /// A shape replaces them if it shares so much more.
 const CLEARLY_BETTER: f64 = 0.03;
+/// One that is not turned replaces them only where they are plainly wrong, and no known light is at work.
+const MUCH_BETTER: f64 = 0.1;
 /// A box belongs to a patch if so much of it lies there.
 const LIES_IN: f64 = 0.5;
 /// A contour is followed to this many cells.
@@ -30,8 +32,6 @@ const HALF: f32 = 0.5;
 const NEAR_CELLS: i64 = 3;
 /// A shape's outline encloses at most so much more than its patch has cells: a ring is no shape.
 const MOST_ENCLOSED: f64 = 1.15;
-/// More of a patch than this may not be shadow.
-const MOST_SHADED: f64 = 0.1;
 /// An edge of this direction or less against the arena's is upright, radians; so much of a shape's outline
 /// must be turned by more.
 const UPRIGHT: f64 = 0.06;
@@ -56,8 +56,6 @@ pub(super) struct Patches<'a> {
     pub(super) frame: PlanFrame,
     /// How far from floor each cell is, standard deviations; 0 where nothing is sought.
     pub(super) distances: &'a Raster<f32>,
-    /// Which cells may be shadow.
-    pub(super) shade: &'a Raster<bool>,
     pub(super) boxes: &'a [LeaningBox],
     pub(super) foot: Option<Point>,
     /// Whether a light is known that casts shadows.
@@ -68,11 +66,6 @@ impl Patches<'_> {
     /// The shape that explains a patch clearly better than the boxes that were found there.
     pub(super) fn shape_of(&self, patch: &[usize]) -> Option<Shaped> {
         let width = self.distances.width();
-        let shaded = patch.iter().filter(|&&cell| self.shade.cells()[cell]).count();
-        // A box and its shadow have one outline, which is that of neither.
-        if shaded as f64 > MOST_SHADED * patch.len() as f64 {
-            return None;
-        }
         let bounds = around(patch, width);
         let mut is_of_patch = Raster::filled(width, self.distances.height(), false);
         patch.iter().for_each(|&cell| is_of_patch.cells_mut()[cell] = true);
@@ -105,12 +98,15 @@ impl Patches<'_> {
         let fitted = self.fitted(patch, &is_of_patch)?;
         let better = agreement(&|at| fitted.shape.contains(at));
         let encloses = fitted.shape.area() * self.frame.scale.powi(2) / patch.len() as f64;
-        let is_taken = better > explained + CLEARLY_BETTER
+        let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
+        let gain = if is_turned { CLEARLY_BETTER } else { MUCH_BETTER };
+        let is_taken = better > explained + gain
             && encloses < MOST_ENCLOSED
-            && turned_share(&fitted.shape) > LEAST_TURNED
+            && (is_turned || !self.is_lit)
             && !is_ragged(&fitted.shape, if self.is_lit { 0 } else { FEW_SHORT });
         let margin = [fitted.margin + 0.5 / self.frame.scale; 4];
-        let obstacle = Obstacle { footprint: fitted.shape, margin, height: None };
+        let footprint = upright(&fitted.shape).map_or(fitted.shape, Shape::Rect);
+        let obstacle = Obstacle { footprint, margin, height: None };
         is_taken.then_some(Shaped { obstacle, replaces })
     }
 
@@ -193,6 +189,13 @@ impl Patches<'_> {
         };
         Point::new(snap(point.x, width), snap(point.y, height))
     }
+}
+
+/// The rectangle that an upright polygon of four corners is.
+fn upright(shape: &Shape) -> Option<Rect> {
+    let Shape::Polygon(polygon) = shape else { return None };
+    let is_rect = polygon.corners().len() == 4 && turned_part(polygon) == 0.0;
+    is_rect.then(|| shape.bounds())
 }
 
 /// Whether a polygon has many corners and `most` short edges between them at least, as noise and shadow

@@ -67,15 +67,9 @@ impl Explained<'_> {
         let distances = self.distances(&|_| false);
         let foreign = distances.map(|distance| distance > FOREIGN);
         let (frame, width) = (self.look.view, foreign.width());
-        let shade = Raster::from_fn(width, foreign.height(), |column, row| {
-            let cell = row * width + column;
-            let point = frame.point(column as f64, row as f64);
-            let difference = || self.look.floor.difference(point, self.look.features.cells()[cell]);
-            foreign.cells()[cell] && difference().floor <= FOREIGN
-        });
         let (boxes, foot) = (self.boxes, self.foot);
         let is_lit = self.lamp.is_some();
-        let patches = Patches { frame, distances: &distances, shade: &shade, boxes, foot, is_lit };
+        let patches = Patches { frame, distances: &distances, boxes, foot, is_lit };
         let least = (LEAST_SHAPED * frame.scale.powi(2)).max(LEAST_SHAPED_CELLS) as usize;
         let is_shape = |patch: &Vec<usize>| {
             let rect = self.metres(around(patch, width));
