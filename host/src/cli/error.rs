@@ -8,7 +8,7 @@ use wmr::link::LinkError;
 use wmr::link::mission::MissionError;
 use wmr::link::parameters::ParameterError;
 use wmr::link::port::PortError;
-use wmr::plan::PlanError;
+use wmr::plan::{PlanError, Side};
 use wmr::plan_file::PlanFileError;
 use wmr::scene::SceneError;
 use wmr::vision::VisionError;
@@ -42,6 +42,8 @@ pub(crate) struct CliError {
     pub(crate) code: String,
     pub(crate) message: String,
     pub(crate) help: String,
+    /// What else programs can use: fields beside the message.
+    pub(crate) details: Option<serde_json::Value>,
     /// The command's document is printed already: a second one would break `--json`.
     pub(crate) after_result: bool,
 }
@@ -53,6 +55,7 @@ impl CliError {
             code: code.into(),
             message: message.to_string(),
             help: help.to_string(),
+            details: None,
             after_result: false,
         }
     }
@@ -72,7 +75,15 @@ impl CliError {
 
     /// The document that `--json` prints.
     pub(crate) fn json(&self) -> serde_json::Value {
-        json!({"error": {"code": self.code, "message": self.message, "help": self.help}})
+        let mut error = json!({"code": self.code, "message": self.message, "help": self.help});
+        if let (Some(serde_json::Value::Object(details)), Some(fields)) =
+            (&self.details, error.as_object_mut())
+        {
+            details.iter().for_each(|(name, value)| {
+                fields.entry(name.clone()).or_insert_with(|| value.clone());
+            });
+        }
+        json!({ "error": error })
     }
 }
 
@@ -106,7 +117,24 @@ impl From<PlanError> for CliError {
             _ => Exit::NoPath,
         };
         let help = "move an obstacle, or try a smaller --radius or --margin";
-        Self::advised(exit, &format!("plan.{}", error.code()), &error, help)
+        let details = plan_details(&error);
+        Self { details, ..Self::advised(exit, &format!("plan.{}", error.code()), &error, help) }
+    }
+}
+
+/// The numbers behind a plan's failure; obstacles are counted from 0, as in the scene, and the border
+/// is `null`.
+fn plan_details(error: &PlanError) -> Option<serde_json::Value> {
+    match error {
+        PlanError::NoPath { gap: Some(gap) } => {
+            let between = gap.between.map(|side| match side {
+                Side::Obstacle(index) => json!(index),
+                Side::Border => json!(null),
+            });
+            Some(json!({"gap": {"width": gap.width, "need": gap.need, "between": between}}))
+        }
+        PlanError::Blocked { nearest: Some(nearest), .. } => Some(json!({"nearest": nearest})),
+        _ => None,
     }
 }
 

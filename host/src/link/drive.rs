@@ -7,6 +7,7 @@
 
 use super::mission::{Mission, MissionEvent};
 use super::{LinkClient, LinkError, MissionError, RECEIVE_TIMEOUT};
+use protocol::message::Command;
 use protocol::motion::Pose;
 use std::io::{self, Read, Write};
 use std::time::Duration;
@@ -83,13 +84,46 @@ pub fn drive<P: TimedPort>(
     client: &mut LinkClient<P>,
     mission: &mut Mission,
     stop_asked: impl Fn() -> bool,
+    on_event: impl FnMut(DriveEvent, &Mission),
+) -> Result<Pose, DriveError> {
+    let wish = || if stop_asked() { Wish::Stop } else { Wish::Drive };
+    drive_as_wished(client, mission, wish, on_event)
+}
+
+/// What a person at the robot wants of it while it drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// To drive on.
+    Drive,
+    /// To hold on its path until the wish is another.
+    Pause,
+    /// To end the mission at rest.
+    Stop,
+}
+
+/// [`drive`], with a pause as well; `wish` is read at each step.
+///
+/// # Errors
+/// [`DriveError`]; [`Mission::progress`] says how far it came.
+pub fn drive_as_wished<P: TimedPort>(
+    client: &mut LinkClient<P>,
+    mission: &mut Mission,
+    wish: impl Fn() -> Wish,
     mut on_event: impl FnMut(DriveEvent, &Mission),
 ) -> Result<Pose, DriveError> {
     let mut replug = Replug::default();
     let mut stop_by = None;
     loop {
         let now = client.port_mut().now();
-        if stop_asked() {
+        let wished = wish();
+        // Before the robot has the plan there is nothing that it could pause.
+        if mission.has_begun() && wished == Wish::Pause && !client.pause_wanted() {
+            client.send(Command::Pause);
+        }
+        if wished == Wish::Drive && client.pause_wanted() {
+            client.send(Command::Resume);
+        }
+        if wished == Wish::Stop {
             client.stop();
             if now > *stop_by.get_or_insert(now + STOP_TIMEOUT) {
                 return Err(DriveError::StopUnconfirmed);
@@ -100,7 +134,7 @@ pub fn drive<P: TimedPort>(
         }
         client.set_patience(RECEIVE_TIMEOUT + replug.lost_for);
         let events = mission.step(client, now).map_err(|error| match error {
-            MissionError::Stopped if stop_asked() => DriveError::Stopped,
+            MissionError::Stopped if wish() == Wish::Stop => DriveError::Stopped,
             error => error.into(),
         })?;
         for event in events {
@@ -196,6 +230,7 @@ mod on_a_simulated_robot {
     use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
     use hil_sim::in_process::InProcess;
     use hil_sim::simulation::Simulation;
+    use protocol::message::{PauseReason, State};
     use std::cell::Cell;
 
     struct Simulated(Simulation<InProcess>);
@@ -272,6 +307,39 @@ mod on_a_simulated_robot {
         let reached = mission.progress().pose.x.0;
         assert!((0.4..0.7).contains(&reached), "{reached}");
         assert_eq!(mission.progress().next, 0);
+    }
+
+    #[test]
+    fn a_pause_holds_the_robot_until_it_is_to_drive_on() {
+        let (mut client, mut mission) = (client(), mission());
+        let (wish, held, paused) = (Cell::new(Wish::Drive), Cell::new(0), Cell::new(0.0));
+        let pose = drive_as_wished(
+            &mut client,
+            &mut mission,
+            || wish.get(),
+            |event, mission| {
+                let DriveEvent::Mission(MissionEvent::Telemetry(telemetry)) = event else { return };
+                let x = mission.progress().pose.x.0;
+                if x > 0.4 && held.get() == 0 {
+                    wish.set(Wish::Pause);
+                }
+                if telemetry.state == State::Paused(PauseReason::Command)
+                    && telemetry.wheels == protocol::motion::WheelSpeeds::default()
+                {
+                    if held.get() > 0 {
+                        assert!((x - paused.get()).abs() < 1e-3, "moves while paused");
+                    }
+                    paused.set(x);
+                    held.set(held.get() + 1);
+                }
+                if held.get() == 50 {
+                    wish.set(Wish::Drive);
+                }
+            },
+        )
+        .unwrap();
+        assert!(held.get() >= 50 && paused.get() < 0.7, "{held:?} {paused:?}");
+        assert!((pose.x.0 - 0.8).abs() < 0.01, "{pose:?}");
     }
 
     #[test]
