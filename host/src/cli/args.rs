@@ -30,6 +30,9 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Drive a simulated robot through a photographed arena, without any hardware.
     Demo(DemoArgs),
+    /// Open the page: see what was recognised, correct it, plan, drive and stop.
+    #[cfg(feature = "dashboard")]
+    Serve(ServeArgs),
     /// Find arena, obstacles and robot in a photo.
     Detect(DetectArgs),
     /// Find the way from start to goal.
@@ -61,6 +64,32 @@ pub(crate) struct DemoArgs {
     /// sim, elf:FILE, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_DEMO_PORT", default_value = "sim")]
     pub(crate) port: String,
+    /// Show the same photo on the page of wmr serve instead, to plan and drive there.
+    #[cfg(feature = "dashboard")]
+    #[arg(long, conflicts_with = "out")]
+    pub(crate) page: bool,
+}
+
+/// The page of wmr serve.
+#[cfg(feature = "dashboard")]
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Where the page is served: an address of this computer; beyond 127.0.0.1 others in the network can
+    /// open it with the token that is printed.
+    #[arg(long, default_value = "127.0.0.1:7070", value_name = "ADDR")]
+    pub(crate) addr: String,
+    /// The robot: auto, sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "sim")]
+    pub(crate) port: String,
+    /// Do not open the page in the browser.
+    #[arg(long)]
+    pub(crate) no_open: bool,
+    /// With a simulated robot: how many of its seconds pass in one second.
+    #[arg(long, value_parser = quantity::speed, default_value = "1", value_name = "N")]
+    pub(crate) sim_speed: f64,
+    /// Which of many slightly different robots is simulated.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) sim_seed: u64,
 }
 
 #[derive(Debug, Args)]
@@ -163,6 +192,25 @@ pub(crate) struct WayArgs {
     /// Never drive backwards; with --timing paper it never does.
     #[arg(long)]
     pub(crate) no_reverse: bool,
+}
+
+/// As on a command line without options.
+impl Default for WayArgs {
+    fn default() -> Self {
+        Self {
+            start: None,
+            goal: None,
+            radius: None,
+            margin: None,
+            planner: PlannerName::Exact,
+            cost: CostName::Length,
+            inflation: None,
+            resolution: 1.0,
+            timing: TimingName::Limits,
+            leg_time: 9.0,
+            no_reverse: false,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

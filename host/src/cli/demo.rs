@@ -1,6 +1,6 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
-use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
+use super::args::{DemoArgs, MethodName, PlannerName, VisionArgs, WayArgs};
 use super::drive::{arrived, describe_run, drive_way};
 use super::error::CliError;
 use super::folder::Folder;
@@ -14,9 +14,9 @@ use wmr::geometry::{Arena, Point};
 use wmr::scene::Goal;
 
 /// A ray-traced picture of an arena with eight boxes and the robot.
-const PHOTO: &[u8] = include_bytes!("../../assets/demo.png");
+pub(crate) const PHOTO: &[u8] = include_bytes!("../../assets/demo.png");
 /// The inner size of that arena, metres.
-const ARENA: Arena = Arena { width: 1.3, height: 1.55 };
+pub(crate) const ARENA: Arena = Arena { width: 1.3, height: 1.55 };
 /// Where the robot is to go there, metres.
 const GOAL: Point = Point::new(0.996, 0.229);
 /// Which of many slightly different robots drives.
@@ -27,17 +27,9 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let vision =
         VisionArgs { arena: Some(ARENA), corners: None, camera: None, method: MethodName::Robust };
     let way_args = WayArgs {
-        start: None,
         goal: Some(Goal { position: GOAL, heading: None }),
-        radius: None,
-        margin: None,
-        cost: CostName::Length,
-        inflation: None,
-        resolution: 1.0,
         planner: PlannerName::Grid,
-        timing: TimingName::Limits,
-        leg_time: 9.0,
-        no_reverse: false,
+        ..WayArgs::default()
     };
     output.say(&format!("1. photo: {} × {} m arena, seen from above", ARENA.width, ARENA.height));
     let seen = input::see(

@@ -39,7 +39,8 @@ pub(super) fn read_photo(path: &Path) -> Result<Vec<u8>, CliError> {
     Ok(bytes)
 }
 
-pub(super) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
+/// The document of `wmr detect --json`.
+pub(crate) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
     let detection = &seen.detection;
     let mut document = json!(seen.scene(Some(radius)));
     if let Some(fields) = document.as_object_mut() {

@@ -4,29 +4,31 @@
 //! args ─► input ─► way ─► mission ─► output, folder
 //! ```
 
-mod args;
+pub(crate) mod args;
 mod calibrate;
 mod calibrate_camera;
-mod demo;
-mod detect;
+pub(crate) mod demo;
+pub(crate) mod detect;
 mod detect_pair;
 mod drive;
-mod endpoint;
-mod error;
+pub(crate) mod endpoint;
+pub(crate) mod error;
 mod export;
 mod folder;
-mod input;
-mod mission;
-mod output;
+pub(crate) mod input;
+pub(crate) mod mission;
+pub(crate) mod output;
 mod params;
 mod plan;
 mod ports;
 mod quantity;
 mod queries;
 mod resume;
-mod run;
+pub(crate) mod run;
+#[cfg(feature = "dashboard")]
+mod serve;
 mod sim;
-mod way;
+pub(crate) mod way;
 
 use args::{CalibrateCommand, Cli, Command};
 use clap::Parser;
@@ -43,7 +45,11 @@ pub(crate) fn run() -> ExitCode {
     };
     let output = Output { json: cli.json, quiet: cli.quiet };
     let result = match &cli.command {
+        #[cfg(feature = "dashboard")]
+        Command::Demo(args) if args.page => serve::demo(args, output),
         Command::Demo(args) => demo::run(args, output),
+        #[cfg(feature = "dashboard")]
+        Command::Serve(args) => serve::run(args, output),
         Command::Detect(args) => detect::run(args, output),
         Command::Plan(args) => plan::run(args, output),
         Command::Drive(args) => drive::run(args, output),

@@ -39,6 +39,13 @@ pub(crate) fn focal(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("{text:?} is no focal length; write pixels of the photo, 10 to 1e6"))
 }
 
+/// How many times as fast as the clock a simulation runs: 0.1 to 100.
+#[cfg(feature = "dashboard")]
+pub(crate) fn speed(text: &str) -> Result<f64, String> {
+    let value = finite(text).filter(|value| (0.1..=100.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no speed of a simulation; write 0.1 to 100"))
+}
+
 /// An angle in radians from `90`, `90deg` or `1.57rad`.
 pub(crate) fn angle(text: &str) -> Result<f64, String> {
     scaled(text, &ANGLES, ANGLES[0].1)

@@ -45,7 +45,7 @@ pub(crate) struct Sample {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct RunClock {
+pub(crate) struct RunClock {
     accepted: Option<u32>,
 }
 
@@ -58,7 +58,7 @@ impl RunClock {
 }
 
 impl Run {
-    pub(super) fn new(legs: Vec<Leg>, limits: Limits, start: Pose) -> Self {
+    pub(crate) fn new(legs: Vec<Leg>, limits: Limits, start: Pose) -> Self {
         Self {
             legs,
             first: 0,
@@ -79,7 +79,7 @@ impl Run {
     }
 
     /// Records an event.
-    pub(super) fn record(&mut self, event: MissionEvent, clock: &mut RunClock) {
+    pub(crate) fn record(&mut self, event: MissionEvent, clock: &mut RunClock) {
         match event {
             MissionEvent::Telemetry(telemetry) if telemetry.state != State::Idle => {
                 self.samples.push(Sample { time: clock.seconds(telemetry.ticks), telemetry });

@@ -16,7 +16,7 @@ use wmr::plan_file::{PlanFile, PlanTiming};
 use wmr::scene::{Goal, Scene};
 
 /// A way, and all that led to it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PlannedWay {
     pub(crate) file: PlanFile,
     /// `None` if the way was read from a file.
@@ -86,7 +86,8 @@ fn keeps_margin(file: &PlanFile, args: &WayArgs, rule: MarginRule) -> bool {
     file.clearance + MARGIN_TOLERANCE >= file.scene.robot_radius + wanted
 }
 
-fn plan_way(
+/// Plans in `scene`, whose obstacles may lie further out by their `margins`, metres.
+pub(crate) fn plan_way(
     scene: &Scene,
     planner: Planner,
     args: &WayArgs,
@@ -206,6 +207,21 @@ pub(crate) fn with_radius(scene: &Scene, radius: Option<f64>) -> Scene {
 /// map's, or the arena's own.
 pub(crate) fn origin(scene: &Scene) -> Point {
     scene.origin.unwrap_or(Point::new(0.0, 0.0))
+}
+
+/// Gives `scene` the start and goal that `args` ask for, if any.
+#[cfg(feature = "dashboard")]
+pub(crate) fn take_ends(scene: &mut Scene, args: &WayArgs) {
+    let corner = origin(scene);
+    let in_arena = |at: Point| Point::new(at.x - corner.x, at.y - corner.y);
+    let heading = scene.start.map_or(0.0, |start| start.heading);
+    scene.start = args.start.map_or(scene.start, |start| {
+        let heading = start.heading.unwrap_or(heading);
+        Some(Pose { position: in_arena(start.position), heading })
+    });
+    scene.goal = args
+        .goal
+        .map_or(scene.goal, |goal| Some(Goal { position: in_arena(goal.position), ..goal }));
 }
 
 /// Start and goal as asked for, or as the input has them.

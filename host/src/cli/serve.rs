@@ -1,0 +1,32 @@
+//! `wmr serve` and `wmr demo --page`: the page.
+
+use super::args::{DemoArgs, ServeArgs};
+use super::error::CliError;
+use super::output::Output;
+use crate::dashboard::{self, Settings};
+
+/// `wmr serve`.
+pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
+    let settings = Settings {
+        address: args.addr.clone(),
+        port: args.port.clone(),
+        speed: args.sim_speed,
+        seed: args.sim_seed,
+        open: !args.no_open,
+        sample: false,
+    };
+    dashboard::serve(&settings, output)
+}
+
+/// `wmr demo --page`: the demo's photo on the page, at any free address.
+pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
+    let settings = Settings {
+        address: "127.0.0.1:0".to_owned(),
+        port: args.port.clone(),
+        speed: 1.0,
+        seed: 1,
+        open: true,
+        sample: true,
+    };
+    dashboard::serve(&settings, output)
+}

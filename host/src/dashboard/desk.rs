@@ -1,0 +1,300 @@
+//! What lies on the desk: the photo, the scene that was seen in it or drawn by hand, and the plan in it.
+//!
+//! Each has a revision that grows with every change; a page that shows an older one fetches it anew.
+//! What rests on something that has changed is taken off: a plan never outlives its scene.
+
+use super::error::Failure;
+use super::requests::{DetectRequest, PlanRequest};
+use crate::cli::args::{MethodName, VisionArgs, WayArgs};
+use crate::cli::demo;
+use crate::cli::detect::detection_document;
+use crate::cli::error::CliError;
+use crate::cli::input::{self, SeenPhoto, Sight};
+use crate::cli::output::Output;
+use crate::cli::way::{self, MarginRule, PlannedWay};
+use axum::http::StatusCode;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use wmr::geometry::Arena;
+use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
+use wmr::vision;
+
+/// Nothing is printed while a request is worked on: what there is to say goes back to the page.
+const SILENT: Output = Output { json: true, quiet: true };
+
+/// More obstacles than this are no arena that a person edits; planning would keep the page waiting.
+const MOST_OBSTACLES: usize = 2000;
+
+/// All that people work on.
+#[derive(Debug)]
+pub(super) struct Desk {
+    pub(super) photo: Option<Arc<DeskPhoto>>,
+    arena: Option<Arena>,
+    robot_radius: f64,
+    /// Corners that were moved by hand.
+    corners: Option<[[f64; 2]; 4]>,
+    pub(super) scene: Option<DeskScene>,
+    pub(super) plan: Option<DeskPlan>,
+    pub(super) revisions: Revisions,
+}
+
+/// How often each thing has changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub(super) struct Revisions {
+    pub(super) photo: u64,
+    pub(super) scene: u64,
+    pub(super) plan: u64,
+}
+
+/// A photo that can be decoded.
+#[derive(Debug)]
+pub(super) struct DeskPhoto {
+    pub(super) bytes: Vec<u8>,
+    pub(super) content_type: &'static str,
+    /// Width and height as seen, pixels.
+    size: [usize; 2],
+}
+
+/// The scene, with what is known of how it was seen.
+#[derive(Clone, Debug)]
+pub(super) struct DeskScene {
+    scene: Scene,
+    /// The document of `wmr detect --json`, if a photo was looked at.
+    detection: Option<Value>,
+}
+
+/// What came of planning.
+#[derive(Debug)]
+pub(super) struct DeskPlan {
+    pub(super) result: Result<(Box<PlannedWay>, WayArgs), CliError>,
+}
+
+impl Default for Desk {
+    fn default() -> Self {
+        Self {
+            photo: None,
+            arena: None,
+            robot_radius: DEFAULT_ROBOT_RADIUS,
+            corners: None,
+            scene: None,
+            plan: None,
+            revisions: Revisions::default(),
+        }
+    }
+}
+
+impl DeskPhoto {
+    /// Checks that `bytes` are a photo that can be worked on and that a browser shows.
+    pub(super) fn new(bytes: Vec<u8>) -> Result<Self, Failure> {
+        let content_type = match bytes.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] => "image/png",
+            [0xff, 0xd8, ..] => "image/jpeg",
+            [b'B', b'M', ..] => "image/bmp",
+            _ => {
+                let help = "give a complete PNG or JPEG file";
+                let status = StatusCode::UNPROCESSABLE_ENTITY;
+                return Err(Failure::new(
+                    status,
+                    "photo",
+                    "this file is no photo that a page can show",
+                    help,
+                ));
+            }
+        };
+        let photo = vision::decode(&bytes).map_err(CliError::from)?;
+        let size = [photo.width(), photo.height()];
+        Ok(Self { bytes, content_type, size })
+    }
+}
+
+impl Desk {
+    /// Lays a photo on the desk; all that was seen before is taken off.
+    pub(super) fn take_photo(&mut self, photo: DeskPhoto) {
+        self.photo = Some(Arc::new(photo));
+        self.corners = None;
+        self.revisions.photo += 1;
+        self.take_off_scene();
+    }
+
+    /// Lays the bundled photo on the desk, with its arena's size.
+    pub(super) fn take_sample(&mut self) -> Result<(), CliError> {
+        let photo = DeskPhoto::new(demo::PHOTO.to_vec()).map_err(|failure| failure.error)?;
+        self.take_photo(photo);
+        self.arena = Some(demo::ARENA);
+        self.robot_radius = DEFAULT_ROBOT_RADIUS;
+        Ok(())
+    }
+
+    /// Takes over where the person sees the arena's corners.
+    pub(super) fn take_corners(&mut self, corners: Option<[[f64; 2]; 4]>) -> Result<(), Failure> {
+        if corners.iter().flatten().flatten().any(|number| !number.is_finite()) {
+            return Err(Failure::bad_request("a corner is not finite"));
+        }
+        self.corners = corners;
+        self.take_off_scene();
+        Ok(())
+    }
+
+    /// What a look at the photo needs.
+    pub(super) fn look(&self, request: &DetectRequest) -> Result<Look, Failure> {
+        let photo = self.photo.clone().ok_or_else(|| {
+            Failure::missing(
+                "photo.none",
+                "there is no photo yet",
+                "choose one, or take the sample",
+            )
+        })?;
+        let arena = request.arena.or(self.arena);
+        let robot_radius = request.robot_radius.unwrap_or(self.robot_radius);
+        Ok(Look {
+            photo,
+            arena,
+            robot_radius,
+            corners: self.corners,
+            revision: self.revisions.photo,
+        })
+    }
+
+    /// Lays down what was seen, unless the photo has changed meanwhile; the document of `wmr detect`.
+    pub(super) fn take_detection(&mut self, look: &Look, seen: &SeenPhoto) -> Value {
+        let document = detection_document(seen, look.robot_radius);
+        if look.revision == self.revisions.photo && look.corners == self.corners {
+            self.arena = look.arena;
+            self.robot_radius = look.robot_radius;
+            self.take_off_scene();
+            let scene = seen.scene(Some(look.robot_radius));
+            self.scene = Some(DeskScene { scene, detection: Some(document.clone()) });
+        }
+        document
+    }
+
+    /// Lays down a scene that was drawn or corrected by hand.
+    pub(super) fn take_scene(&mut self, document: &Value) -> Result<(), Failure> {
+        let scene = read_scene(document)?;
+        if self.arena.is_some_and(|arena| arena != scene.arena) {
+            self.photo = None;
+            self.corners = None;
+            self.revisions.photo += 1;
+        }
+        let detection = self.scene.take().and_then(|last| last.detection);
+        self.take_off_scene();
+        self.arena = Some(scene.arena);
+        self.robot_radius = scene.robot_radius;
+        let detection = detection.filter(|_| self.photo.is_some());
+        self.scene = Some(DeskScene { scene, detection });
+        Ok(())
+    }
+
+    /// The scene to plan in: that of the request, or the one on the desk.
+    pub(super) fn scene_for(&self, request: &PlanRequest) -> Result<Scene, Failure> {
+        if let Some(document) = &request.scene {
+            return read_scene(document);
+        }
+        self.scene.as_ref().map(|desk| desk.scene.clone()).ok_or_else(|| {
+            Failure::missing(
+                "scene.none",
+                "there is no scene yet",
+                "choose a photo and let it be recognised",
+            )
+        })
+    }
+
+    /// Lays down what came of planning in `scene`.
+    pub(super) fn take_plan(
+        &mut self,
+        scene: Scene,
+        result: Result<(Box<PlannedWay>, WayArgs), CliError>,
+    ) -> Revisions {
+        let detection = self.scene.take().and_then(|desk| desk.detection);
+        self.arena = Some(scene.arena);
+        self.robot_radius = scene.robot_radius;
+        self.revisions.scene += 1;
+        self.scene = Some(DeskScene { scene, detection });
+        self.revisions.plan += 1;
+        self.plan = Some(DeskPlan { result });
+        self.revisions
+    }
+
+    fn take_off_scene(&mut self) {
+        self.scene = None;
+        self.plan = None;
+        self.revisions.scene += 1;
+        self.revisions.plan += 1;
+    }
+
+    /// Everything on the desk.
+    pub(super) fn document(&self) -> Value {
+        let photo = self.photo.as_ref().map(|photo| {
+            let [width, height] = photo.size;
+            json!({"width": width, "height": height, "type": photo.content_type})
+        });
+        let scene = self.scene.as_ref().map(|desk| &desk.scene);
+        let plan = self.plan.as_ref().map(|plan| match &plan.result {
+            Ok((way, _)) => plan_document(way),
+            Err(error) => error.json(),
+        });
+        json!({
+            "revision": self.revisions,
+            "photo": photo,
+            "arena": self.arena,
+            "robot_radius": self.robot_radius,
+            "corners_px": self.corners,
+            "detection": self.scene.as_ref().and_then(|desk| desk.detection.as_ref()),
+            "scene": scene,
+            "plan": plan,
+        })
+    }
+}
+
+/// What a look at a photo needs, taken from the desk so that the desk is free meanwhile.
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    photo: Arc<DeskPhoto>,
+    arena: Option<Arena>,
+    robot_radius: f64,
+    corners: Option<[[f64; 2]; 4]>,
+    revision: u64,
+}
+
+impl Look {
+    /// Looks.
+    pub(super) fn see(&self) -> Result<SeenPhoto, Failure> {
+        let args = VisionArgs {
+            arena: self.arena,
+            corners: self.corners,
+            camera: None,
+            method: MethodName::Robust,
+        };
+        let sight = Sight { radius: Some(self.robot_radius), resolution: 1.0, keep_steps: false };
+        Ok(input::see(self.photo.bytes.clone(), &args, sight)?)
+    }
+}
+
+/// Plans in `scene` as for a drive.
+pub(super) fn plan(scene: &Scene, args: &WayArgs) -> Result<Box<PlannedWay>, CliError> {
+    let planner = way::planner(args.planner);
+    way::plan_way(scene, planner, args, MarginRule::ForDriving, SILENT).map(Box::new)
+}
+
+/// The document of `wmr plan --json`, with what that command would say beside it.
+pub(super) fn plan_document(way: &PlannedWay) -> Value {
+    let mut document = json!(way.file);
+    if let Some(fields) = document.as_object_mut() {
+        let exit_leg = way.plan.as_ref().and_then(|plan| plan.exit_leg);
+        fields.insert("margin".into(), json!(way.options.margin));
+        fields.insert("exit_leg".into(), json!(exit_leg));
+    }
+    document
+}
+
+/// A scene as in a file.
+fn read_scene(document: &Value) -> Result<Scene, Failure> {
+    let scene = Scene::from_json(&document.to_string()).map_err(CliError::from)?;
+    let count = scene.obstacles.len();
+    if count > MOST_OBSTACLES {
+        let message =
+            format!("{count} obstacles are too many for a page, at most {MOST_OBSTACLES} are");
+        return Err(Failure::bad_request(message));
+    }
+    Ok(scene)
+}

@@ -1,0 +1,176 @@
+//! `wmr serve`: the page on which a person sees what was recognised, corrects it, drives and stops.
+//!
+//! ```text
+//! page ═HTTP, web socket═ router ─► desk (photo, scene, plan)
+//!                            │  └──► jobs (one heavy one at a time)
+//!                            └─ controls ─► robot thread ═link═ robot
+//! ```
+//! The documents are those of the command line with `--json`; the interface is described in
+//! `openapi.json`, which a test holds against the router. The robot has a thread of its own, which takes
+//! no lock that is held for longer than a copy and waits for no request: whatever a page sends, it
+//! drives, pauses and stops. SI units and radians; pixels only for corners and photos.
+
+mod desk;
+mod error;
+mod files;
+mod handlers;
+mod jobs;
+mod live;
+mod paced;
+mod requests;
+mod robot;
+mod router;
+mod security;
+mod socket;
+mod status;
+
+use crate::cli::error::{CliError, Exit};
+use crate::cli::mission::{catch_interrupts, interrupted};
+use crate::cli::output::Output;
+use desk::Desk;
+use jobs::Jobs;
+use live::{Controls, Live};
+use robot::{Order, RobotSettings};
+use security::{Guard, Token};
+use std::net::SocketAddr;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+
+/// What `wmr serve` is asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    /// Where the page is.
+    pub(crate) address: String,
+    /// The robot's port.
+    pub(crate) port: String,
+    /// Simulated seconds that pass in a second.
+    pub(crate) speed: f64,
+    /// Which of many slightly different robots is simulated.
+    pub(crate) seed: u64,
+    /// Whether to show the page in the browser.
+    pub(crate) open: bool,
+    /// Whether the bundled photo lies on the desk already.
+    pub(crate) sample: bool,
+}
+
+/// What all requests share.
+#[derive(Clone)]
+struct Dashboard {
+    desk: Arc<Mutex<Desk>>,
+    live: Arc<Mutex<Live>>,
+    controls: Arc<Controls>,
+    jobs: Jobs,
+    orders: SyncSender<Order>,
+    guard: Arc<Guard>,
+    /// The state as the sockets get it, made once for all of them.
+    status: watch::Sender<axum::extract::ws::Utf8Bytes>,
+}
+
+/// A lock that goes on after a panic of another holder: every value behind one is whole at any time.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// After Ctrl-C, how often it is looked for.
+const INTERRUPT_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Serves the page until Ctrl-C; a robot that drives has then stopped.
+pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError> {
+    catch_interrupts();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|error| cannot_serve(&settings.address, &error))?;
+    let listener = runtime
+        .block_on(TcpListener::bind(&settings.address))
+        .map_err(|error| cannot_serve(&settings.address, &error))?;
+    let address = listener.local_addr().map_err(|error| cannot_serve(&settings.address, &error))?;
+    let (dashboard, robot) = start(settings, address);
+    if settings.sample {
+        lock(&dashboard.desk).take_sample()?;
+    }
+    announce(settings, address, &dashboard.guard, output);
+    runtime.block_on(async {
+        tokio::spawn(status::keep(dashboard.clone()));
+        let server = axum::serve(listener, router::router(dashboard.clone()));
+        tokio::select! {
+            result = server => result.map_err(|error| cannot_serve(&settings.address, &error)),
+            () = interrupt() => Ok(()),
+        }
+    })?;
+    dashboard.controls.end();
+    // A thread that panicked has nothing more to say; its robot stops by itself.
+    let _ = robot.join();
+    let error = CliError::new(
+        Exit::Interrupted,
+        "interrupted",
+        "the page is closed",
+        "wmr serve opens it again",
+    );
+    Err(error)
+}
+
+/// All that requests share, and the thread that has the robot.
+fn start(settings: &Settings, address: SocketAddr) -> (Dashboard, std::thread::JoinHandle<()>) {
+    let live = Arc::new(Mutex::new(Live::new(&settings.port)));
+    let controls = Arc::new(Controls::default());
+    let robot_settings =
+        RobotSettings { port: settings.port.clone(), speed: settings.speed, seed: settings.seed };
+    let (orders, thread) = robot::spawn(robot_settings, live.clone(), controls.clone());
+    let dashboard = Dashboard {
+        desk: Arc::default(),
+        live,
+        controls,
+        jobs: Jobs::default(),
+        orders,
+        guard: Arc::new(Guard { address, token: Token::random() }),
+        status: watch::Sender::default(),
+    };
+    (dashboard, thread)
+}
+
+fn cannot_serve(address: &str, error: &std::io::Error) -> CliError {
+    let message = format!("the page cannot be served at {address}: {error}");
+    CliError::new(Exit::Port, "serve", message, "choose another with --addr, such as 127.0.0.1:0")
+}
+
+/// Says where the page is, and opens it if that is wanted.
+fn announce(settings: &Settings, address: SocketAddr, guard: &Guard, output: Output) {
+    let place = guard.page_address();
+    output.say(&format!("wmr at {place}  (robot: {}; Ctrl-C ends it)", settings.port));
+    if !address.ip().is_loopback() {
+        output.say("everybody in this network who knows that address can drive the robot");
+    }
+    if settings.open {
+        open_in_browser(&place);
+    }
+}
+
+/// Asks the desktop to show the page; where there is none, the address is printed all the same.
+fn open_in_browser(address: &str) {
+    let (program, arguments): (&str, &[&str]) = if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else if cfg!(windows) {
+        ("cmd", &["/c", "start", ""])
+    } else if std::env::var_os("DISPLAY").is_some() || std::env::var_os("WAYLAND_DISPLAY").is_some()
+    {
+        ("xdg-open", &[])
+    } else {
+        return;
+    };
+    use std::process::{Command, Stdio};
+    let quiet = Stdio::null;
+    let mut command = Command::new(program);
+    command.args(arguments).arg(address).stdin(quiet()).stdout(quiet()).stderr(quiet());
+    // The person can still open it by hand.
+    let _ = command.spawn();
+}
+
+async fn interrupt() {
+    while !interrupted() {
+        tokio::time::sleep(INTERRUPT_INTERVAL).await;
+    }
+}

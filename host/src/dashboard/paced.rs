@@ -1,0 +1,68 @@
+//! A simulated robot in step with the clock on the wall, for people who watch it; a real one as it is.
+
+use crate::cli::endpoint::Endpoint;
+use hil_sim::simulation::Truth;
+use std::io::{self, Read, Write};
+use std::time::{Duration, Instant};
+use wmr::link::drive::TimedPort;
+
+/// A computer that was busy or asleep for longer does not catch up, as in [`hil_sim::realtime`].
+const LONGEST_GAP: Duration = Duration::from_millis(100);
+
+/// An endpoint whose time passes `speed` times as fast as the wall clock's.
+pub(super) struct Paced {
+    endpoint: Box<dyn Endpoint>,
+    speed: f64,
+    last: Instant,
+}
+
+impl Paced {
+    /// `endpoint`, if simulated at `speed`, from now on.
+    pub(super) fn new(endpoint: Box<dyn Endpoint>, speed: f64) -> Self {
+        Self { endpoint, speed, last: Instant::now() }
+    }
+
+    pub(super) fn nonce(&self) -> u32 {
+        self.endpoint.nonce()
+    }
+
+    pub(super) fn truth(&self) -> Option<Truth> {
+        self.endpoint.truth()
+    }
+}
+
+impl Read for Paced {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.endpoint.read(buffer)
+    }
+}
+
+impl Write for Paced {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.endpoint.write(buffer)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.endpoint.flush()
+    }
+}
+
+impl TimedPort for Paced {
+    fn now(&self) -> Duration {
+        self.endpoint.now()
+    }
+
+    fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        if self.endpoint.truth().is_none() {
+            return self.endpoint.wait(duration);
+        }
+        std::thread::sleep(duration.div_f64(self.speed));
+        let gap = self.last.elapsed();
+        self.last += gap;
+        self.endpoint.wait(gap.mul_f64(self.speed).min(LONGEST_GAP))
+    }
+
+    fn is_open(&self) -> bool {
+        self.endpoint.is_open()
+    }
+}

@@ -1,0 +1,239 @@
+// What the person does, carried out at the server. Every action leaves the state right and says `changed`.
+
+import { getPhoto, getState, post, sendPhoto } from './api.js';
+import { noMargin } from './floor.js';
+import { changed, state } from './state.js';
+
+/** Takes over everything that lies on the server's desk. */
+export function takeState(document) {
+  // An answer that was overtaken by a newer one.
+  if (['photo', 'scene', 'plan'].some((name) => document.revision[name] < state.revision[name])) return;
+  const sameScene = state.revision.scene === document.revision.scene;
+  Object.assign(state, {
+    photo: document.photo,
+    corners: document.corners_px,
+    detection: document.detection,
+    scene: document.scene,
+    margins: document.scene?.margins ?? document.scene?.obstacles.map(noMargin) ?? [],
+    run: document.run,
+    base: document.base,
+    drive: document.drive,
+    radius: document.robot_radius,
+    revision: { ...document.revision, run: document.run.revision },
+  });
+  if (document.arena) state.arena = document.arena;
+  const failed = document.plan?.error ?? null;
+  state.plan = document.plan && !failed ? document.plan : null;
+  state.planProblem = failed;
+  if (state.plan) {
+    const legs = state.plan.legs;
+    const last = state.plan.scene.goal;
+    state.start = state.plan.scene.start ?? legs[0]?.start ?? state.start;
+    if (last) state.goal = [last[0], last[1], last[2] ?? null];
+  } else if (!sameScene) {
+    state.start = document.scene?.start ?? null;
+    const goal = document.scene?.goal;
+    state.goal = goal ? [goal[0], goal[1], goal[2] ?? null] : null;
+  }
+  if (!sameScene) state.selected = null;
+  changed();
+}
+
+/** The photo as it was sent: a program that is started again knows nothing of it. */
+let photoBlob = null;
+
+/** Counts what the person changes: an answer that was asked for before a change says nothing about it. */
+let edits = 0;
+
+/** Fetches everything anew, unless the person changes something meanwhile. */
+export async function refresh() {
+  const before = edits;
+  const document = await getState();
+  if (before === edits) takeState(document);
+}
+
+async function working(what, where, action) {
+  state.working = what;
+  state.problem[where] = null;
+  changed();
+  try {
+    return await action();
+  } catch (error) {
+    state.problem[where] = error.message ? error : { message: String(error), help: '' };
+    return null;
+  } finally {
+    state.working = '';
+    changed();
+  }
+}
+
+export async function useSample() {
+  const done = await working('Reading the sample …', 'photo', async () => {
+    takeState(await post('photo', { sample: 'demo' }));
+    photoBlob = await getPhoto();
+    state.undo = [];
+    return true;
+  });
+  if (done) await recognise();
+}
+
+export async function usePhoto(blob) {
+  state.step = 'photo';
+  if (blob.name?.endsWith('.json')) return useScene(blob);
+  await working('Reading the photo …', 'photo', async () => {
+    takeState(await sendPhoto(blob));
+    photoBlob = blob;
+    state.undo = [];
+  });
+}
+
+async function useScene(file) {
+  await working('Reading the scene …', 'photo', async () => {
+    let document = JSON.parse(await file.text());
+    if (document.format?.startsWith('wmr-plan')) document = document.scene;
+    takeState(await post('scene', document));
+    state.undo = [];
+    state.step = 'boxes';
+  });
+  await replan();
+}
+
+/** Gives a program that was started again what this page shows. */
+export async function restore(corners) {
+  const scene = state.scene && { ...state.scene, margins: state.margins, start: state.start ?? undefined, goal: undefined };
+  const { start, goal, undo } = state;
+  await working('', 'photo', async () => {
+    if (photoBlob) {
+      await sendPhoto(photoBlob);
+      if (corners) await post('corners', { corners_px: corners });
+    }
+    if (scene) await post('scene', scene);
+    await refresh();
+  });
+  Object.assign(state, { start, goal, undo });
+  await replan();
+}
+
+/** Looks at the photo, in an arena of that size. */
+export async function recognise() {
+  const done = await working('Looking at the photo …', 'photo', async () => {
+    await post('detect', { arena: state.arena, robot_radius: state.radius });
+    await refresh();
+    state.undo = [];
+    return true;
+  });
+  if (done) {
+    state.step = 'boxes';
+    changed();
+  }
+}
+
+export async function useCorners(corners) {
+  await working('Looking at the photo …', 'photo', async () => {
+    await post('corners', { corners_px: corners });
+    await post('detect', { arena: state.arena, robot_radius: state.radius });
+    await refresh();
+  });
+}
+
+/** Changes the obstacles; what was there before can be had back. */
+export function editScene(obstacles, margins, keepUndo = true) {
+  if (keepUndo) rememberScene();
+  state.scene.obstacles = obstacles;
+  state.margins = margins;
+  sceneEdited();
+}
+
+export function rememberScene() {
+  state.undo.push(JSON.stringify([state.scene.obstacles, state.margins]));
+  if (state.undo.length > 100) state.undo.shift();
+}
+
+export function undoEdit() {
+  const last = state.undo.pop();
+  if (!last) return;
+  [state.scene.obstacles, state.margins] = JSON.parse(last);
+  state.selected = null;
+  sceneEdited();
+}
+
+function sceneEdited() {
+  changed();
+  replan();
+}
+
+let underWay = false;
+let again = false;
+export const isPlanning = () => underWay;
+/** How long the last plan took from here and back, milliseconds. */
+export const timing = { plan: [] };
+
+/** Plans with what is wanted now; while one plan is under way, only the newest wish counts. */
+export async function replan() {
+  if (!state.scene) return;
+  edits += 1;
+  if (underWay) {
+    again = true;
+    return;
+  }
+  underWay = true;
+  do {
+    again = false;
+    await planOnce();
+  } while (again);
+  underWay = false;
+}
+
+async function planOnce() {
+  const scene = { ...state.scene, margins: state.margins };
+  delete scene.start;
+  delete scene.goal;
+  const began = performance.now();
+  try {
+    if (!state.start || !state.goal) {
+      const document = await post('scene', { ...scene, start: state.start ?? undefined });
+      state.revision.scene = document.revision.scene;
+      state.revision.plan = document.revision.plan;
+      state.plan = null;
+      state.planProblem = null;
+    } else {
+      const goal = state.goal[2] === null ? state.goal.slice(0, 2) : state.goal;
+      const wish = { scene, start: state.start, goal, planner: state.planner, cost: state.cost };
+      if (state.margin !== null) wish.margin = state.margin;
+      state.plan = await post('plan', wish);
+      Object.assign(state.revision, state.plan.revision);
+      state.planProblem = null;
+    }
+  } catch (error) {
+    Object.assign(state.revision, error.revision);
+    state.plan = null;
+    state.planProblem = error;
+  }
+  timing.plan.push(performance.now() - began);
+  if (timing.plan.length > 200) timing.plan.shift();
+  changed();
+}
+
+export async function drive() {
+  state.step = 'drive';
+  await working('', 'drive', () => post('drive', { plan: state.revision.plan }));
+}
+
+export const pause = () => working('', 'drive', () => post('pause'));
+export const resume = () => working('', 'drive', () => post('resume'));
+export const jog = (step) => working('', 'drive', () => post('jog', step));
+
+/** Stops the robot; tries again and again until the server has heard. */
+export async function stop() {
+  for (let attempt = 0; attempt < 20; attempt += 1) {
+    try {
+      await post('stop');
+      state.problem.drive = null;
+      return changed();
+    } catch (error) {
+      state.problem.drive = error;
+      changed();
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+  }
+}

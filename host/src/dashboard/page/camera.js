@@ -1,0 +1,39 @@
+// A photo by the camera of this computer or phone.
+
+import { find, showProblem } from './dom.js';
+
+const dialog = find('camera');
+const video = find('camera-view');
+let stream = null;
+let take = () => {};
+
+export async function openCamera(onPhoto) {
+  take = onPhoto;
+  showProblem(find('camera-problem'), null);
+  dialog.showModal();
+  try {
+    const wanted = { video: { facingMode: 'environment', width: { ideal: 1920 }, height: { ideal: 1440 } } };
+    stream = await navigator.mediaDevices.getUserMedia(wanted);
+    video.srcObject = stream;
+    await video.play();
+  } catch (error) {
+    showProblem(find('camera-problem'), { message: `no camera can be used (${error.name})`, help: 'allow it in the browser, or choose a file' });
+  }
+}
+
+function close() {
+  for (const track of stream?.getTracks() ?? []) track.stop();
+  stream = null;
+  video.srcObject = null;
+}
+
+dialog.addEventListener('close', close);
+find('camera-close').addEventListener('click', () => dialog.close());
+find('camera-take').addEventListener('click', () => {
+  if (!video.videoWidth) return;
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
+  canvas.getContext('2d').drawImage(video, 0, 0);
+  dialog.close();
+  canvas.toBlob((blob) => take(blob), 'image/png');
+});

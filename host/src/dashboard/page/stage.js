@@ -1,0 +1,465 @@
+// The stage: the photo with everything that lies over it, and what the pointer and the arrow keys do there.
+
+import { withToken } from './api.js';
+import { find, shape } from './dom.js';
+import { bounds, clamp, circlePoints, floorMap, gapBetween, inflated, isBox, moved, noMargin, outline, round } from './floor.js';
+import { editScene, rememberScene, replan, useCorners } from './actions.js';
+import { changed, onChange, state } from './state.js';
+
+const view = find('view');
+const LEAST_BOX = 0.01;
+const CORNERS = ['lower left', 'lower right', 'upper right', 'upper left'];
+
+let map = null;
+/** Corners under way, until they are let go. */
+let corners = null;
+let drag = null;
+let trail = { run: -1, points: [] };
+let unit = 1;
+
+const points = (list) => list.map(([x, y]) => `${x.toFixed(2)},${y.toFixed(2)}`).join(' ');
+const polygon = (floor, attributes) => shape('polygon', { points: points(floor.map(map.toPicture)), ...attributes });
+const line = (floor, attributes) => shape('polyline', { points: points(floor.map(map.toPicture)), ...attributes });
+
+export function currentCorners() {
+  return corners ?? state.corners ?? state.detection?.corners_px ?? null;
+}
+
+/** The part of the picture that is shown: all of it, or where the arena is. */
+function frame() {
+  const { photo } = state;
+  const all = photo ? [0, 0, photo.width, photo.height] : null;
+  if (all && (state.step === 'photo' || !currentCorners())) return all;
+  const [xs, ys] = [0, 1].map((axis) => map.corners.map((corner) => corner[axis]));
+  const pad = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));
+  const box = [Math.min(...xs) - pad, Math.min(...ys) - pad, Math.max(...xs) + pad, Math.max(...ys) + pad];
+  if (!all) return box;
+  return [Math.max(box[0], 0), Math.max(box[1], 0), Math.min(box[2], all[2]), Math.min(box[3], all[3])];
+}
+
+/** All that the drawing depends on. */
+function shownState() {
+  const { step, photo, revision, arena, scene, selected, adding, plan, planProblem, start, goal: end, run } = state;
+  const { width, height } = view.getBoundingClientRect();
+  const driving = step === 'drive' ? [trail.points.length, trail.points.at(-1), state.base?.pose, run?.report !== null] : null;
+  return [step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
+    plan?.waypoints, plan?.margin, planProblem?.gap, start, end, driving, width, height];
+}
+
+function draw() {
+  const showsAnything = Boolean(state.photo || state.scene);
+  find('welcome').hidden = showsAnything;
+  view.classList.toggle('idle', !showsAnything);
+  if (!showsAnything) return view.replaceChildren();
+  const arena = state.scene?.arena ?? state.arena ?? { width: 1, height: 1 };
+  const seen = state.photo ? currentCorners() : null;
+  map = seen || !state.photo ? floorMap(arena, seen, state.scene?.origin) : null;
+  const [x0, y0, x1, y1] = map ? frame() : [0, 0, state.photo.width, state.photo.height];
+  view.setAttribute('viewBox', `${x0} ${y0} ${x1 - x0} ${y1 - y0}`);
+  const room = view.getBoundingClientRect();
+  unit = 1 / Math.max(Math.min((room.width - 28) / (x1 - x0), (room.height - 28) / (y1 - y0)), 1e-3);
+  const focused = document.activeElement?.dataset?.key;
+  view.replaceChildren(...layers().filter(Boolean));
+  if (focused) view.querySelector(`[data-key="${focused}"]`)?.focus({ preventScroll: true });
+}
+
+function layers() {
+  const ground = state.photo
+    ? picture()
+    : polygon(outline([0, 0, state.scene.arena.width, state.scene.arena.height]).map(addOrigin), { class: 'plain-floor', 'data-key': 'floor' });
+  if (!map) return [ground];
+  const floor = state.photo ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
+  if (state.step === 'photo') return [ground, floor, ...(state.photo && currentCorners() ? cornerHandles() : [])];
+  if (!state.scene) return [ground, floor];
+  return [ground, floor, ...grown(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...boxHandles()];
+}
+
+const addOrigin = ([x, y]) => [x + (state.scene.origin?.[0] ?? 0), y + (state.scene.origin?.[1] ?? 0)];
+
+let shown = { href: '', node: null };
+function picture() {
+  const href = withToken(`/api/photo?revision=${state.revision.photo}`);
+  if (shown.href !== href) {
+    const { width, height } = state.photo;
+    shown = { href, node: shape('image', { href, x: -0.5, y: -0.5, width, height, preserveAspectRatio: 'none' }) };
+  }
+  return shown.node;
+}
+
+function cornerHandles() {
+  return currentCorners().map(([x, y], index) => {
+    const reach = 13 * unit;
+    return shape('g', { class: 'corner', 'data-corner': index, 'data-key': `corner-${index}`, tabindex: 0, role: 'button', 'aria-label': `Corner ${CORNERS[index]}; arrow keys move it` },
+      shape('circle', { class: 'handle', cx: x, cy: y, r: reach }),
+      shape('path', { class: 'corner-cross', d: `M${x - reach} ${y}h${2 * reach}M${x} ${y - reach}v${2 * reach}` }));
+  });
+}
+
+/** By how much obstacles are grown: the robot's radius and the margin of the plan. */
+const growth = () => (state.scene.robot_radius ?? 0.075) + (state.plan?.margin ?? 0);
+
+function grown() {
+  if (state.step !== 'plan') return [];
+  const clip = shape('clipPath', { id: 'floor' }, shape('polygon', { points: points(map.corners) }));
+  const square = state.plan?.inflation !== 'disc';
+  const around = state.scene.obstacles.map((obstacle) => inflated(obstacle, growth(), square));
+  return [clip, shape('g', { 'clip-path': 'url(#floor)' }, ...around.map((list) => polygon(list, { class: 'grown' })))];
+}
+
+function obstacles() {
+  const blocking = state.planProblem?.gap?.between ?? [];
+  return state.scene.obstacles.map((obstacle, index) => {
+    const floor = outline(obstacle);
+    const editable = state.step === 'boxes';
+    const picked = editable && state.selected === index;
+    const kind = `obstacle${picked ? ' picked' : ''}${blocking.includes(index) ? ' blocking' : ''}${editable ? ' grab' : ''}`;
+    const [x, y] = map.toPicture([(bounds(obstacle)[0] + bounds(obstacle)[2]) / 2, (bounds(obstacle)[1] + bounds(obstacle)[3]) / 2]);
+    const access = editable
+      ? { 'data-box': index, 'data-key': `box-${index}`, tabindex: 0, role: 'button', 'aria-pressed': picked, 'aria-label': `Obstacle ${index + 1}; arrow keys move it, Delete erases it` }
+      : {};
+    return shape('g', access, polygon(floor, { class: 'halo' }), polygon(floor, { class: kind, 'data-obstacle': index }),
+      editable || blocking.includes(index) ? shape('text', { class: 'tag', x, y, 'font-size': 15 * unit }, `${index + 1}`) : null);
+  });
+}
+
+/** Edges and corners of the selected box, to be dragged. */
+function boxHandles() {
+  const box = state.scene.obstacles[state.selected];
+  if (state.step !== 'boxes' || !box) return [];
+  if (!isBox(box)) {
+    const rim = box.circle && [box.circle[0] + box.circle[2], box.circle[1]];
+    return (box.polygon ?? [rim]).map((at, index) => {
+      const [cx, cy] = map.toPicture(at);
+      return shape('circle', { class: 'handle', cx, cy, r: 6 * unit, [box.polygon ? 'data-vertex' : 'data-rim']: index });
+    });
+  }
+  const [x0, y0, x1, y1] = box;
+  const edges = [
+    ['0', [x0, y0], [x0, y1], 'ew'], ['2', [x1, y0], [x1, y1], 'ew'], ['1', [x0, y0], [x1, y0], 'ns'], ['3', [x0, y1], [x1, y1], 'ns'],
+  ].map(([sides, a, b, cursor]) => line([a, b], { class: `edge ${cursor}`, 'data-sides': sides }));
+  const knobs = [['01', [x0, y0]], ['21', [x1, y0]], ['23', [x1, y1]], ['03', [x0, y1]]].map(([sides, at]) => {
+    const [cx, cy] = map.toPicture(at);
+    return shape('circle', { class: 'handle both', cx, cy, r: 6 * unit, 'data-sides': sides });
+  });
+  return [...edges, ...knobs];
+}
+
+function gap() {
+  const narrow = state.planProblem?.gap;
+  if (!narrow || state.step === 'boxes') return [];
+  const ends = gapBetween(narrow.between, state.scene);
+  if (!ends) return [];
+  const [a, b] = ends.map(map.toPicture);
+  const upright = Math.abs(a[0] - b[0]) < Math.abs(a[1] - b[1]);
+  const [x, y] = [(a[0] + b[0]) / 2 + (upright ? 36 * unit : 0), (a[1] + b[1]) / 2 - (upright ? 0 : 14 * unit)];
+  return [line(ends, { class: 'gap' }), shape('text', { class: 'tag', x, y, 'font-size': 14 * unit }, `${(narrow.width * 100).toFixed(1)} cm`)];
+}
+
+function way() {
+  const list = state.plan?.waypoints;
+  const driven = trail.points.length > 1 && state.step === 'drive' ? line(trail.points, { class: 'trail' }) : null;
+  if (!list) return [driven];
+  const old = state.run?.report && state.step === 'drive' ? ' old' : '';
+  const stops = list.slice(1, -1).map((at) => {
+    const [cx, cy] = map.toPicture(at);
+    return shape('circle', { class: 'stop-point', cx, cy, r: 4 * unit });
+  });
+  return [line(list, { class: 'path-under' }), line(list, { class: `path${old}`, id: 'path' }), ...stops, driven];
+}
+
+function goal() {
+  if (!state.goal) return [];
+  const [x, y, heading] = state.goal;
+  const [cx, cy] = map.toPicture([x, y]);
+  const editable = state.step === 'plan';
+  const access = editable ? { 'data-goal': '', 'data-key': 'goal', tabindex: 0, role: 'button', 'aria-label': 'Goal; arrow keys move it', class: 'grab' } : {};
+  const ring = polygon(circlePoints([x, y], state.scene.robot_radius ?? 0.075), { class: 'goal-ring' });
+  return [shape('g', access, ring, shape('circle', { class: 'goal-dot', cx, cy, r: 5 * unit }), heading === null ? null : nose([x, y, heading]))];
+}
+
+function nose([x, y, heading]) {
+  const r = state.scene.robot_radius || 0.05;
+  const at = (ahead, left) => [x + r * (ahead * Math.cos(heading) - left * Math.sin(heading)), y + r * (ahead * Math.sin(heading) + left * Math.cos(heading))];
+  return line([at(0.05, 0.4), at(0.62, 0), at(0.05, -0.4)], { class: 'robot-nose' });
+}
+
+function robot() {
+  const live = state.step === 'drive' && trail.points.length > 0 && state.base?.pose;
+  const pose = live || state.start;
+  if (!pose) return [];
+  const body = polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: `robot-body${live ? ' live' : ''}`, id: 'robot' });
+  if (state.step !== 'plan') return [body, nose(pose)];
+  const [x, y, heading] = pose;
+  const reach = Math.max((state.scene.robot_radius ?? 0.075) * 1.9, 0.02);
+  const tip = [x + reach * Math.cos(heading), y + reach * Math.sin(heading)];
+  const [cx, cy] = map.toPicture(tip);
+  return [
+    line([[x, y], tip], { class: 'stalk' }),
+    shape('g', { 'data-start': '', 'data-key': 'start', tabindex: 0, role: 'button', class: 'grab', 'aria-label': 'Start; arrow keys move it' }, body),
+    nose(pose),
+    shape('g', { 'data-heading': '', 'data-key': 'heading', tabindex: 0, role: 'button', 'aria-label': 'Heading at the start; left and right arrow keys turn it' }, shape('circle', { class: 'handle', cx, cy, r: 7 * unit })),
+  ];
+}
+
+// The pointer.
+
+function pictureAt(event) {
+  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(view.getScreenCTM().inverse());
+  return [point.x, point.y];
+}
+
+function onFloor(at) {
+  const [ox, oy] = state.scene?.origin ?? [0, 0];
+  const { width, height } = state.scene?.arena ?? state.arena;
+  return [clamp(at[0], ox, ox + width), clamp(at[1], oy, oy + height)].map((value) => round(value, 4));
+}
+
+view.addEventListener('pointerdown', (event) => {
+  if (event.button !== 0 || !map) return;
+  const target = event.target.closest('[data-corner],[data-sides],[data-vertex],[data-rim],[data-box],[data-start],[data-heading],[data-goal]');
+  const begin = begins[state.step];
+  drag = begin ? begin(target?.dataset ?? {}, pictureAt(event), map.toFloor(pictureAt(event))) : null;
+  if (!drag) return;
+  event.preventDefault();
+  target?.focus?.({ preventScroll: true });
+  view.setPointerCapture(event.pointerId);
+});
+
+view.addEventListener('pointermove', (event) => {
+  if (!drag) return;
+  const at = pictureAt(event);
+  drag.move(at, map.toFloor(at));
+});
+
+for (const name of ['pointerup', 'pointercancel']) {
+  view.addEventListener(name, () => {
+    const done = drag;
+    drag = null;
+    done?.end?.();
+  });
+}
+
+export const isDragging = () => drag !== null;
+
+const begins = {
+  photo: (target, at) => {
+    if (target.corner === undefined) return null;
+    const index = Number(target.corner);
+    const before = currentCorners().map((corner) => [...corner]);
+    const off = [before[index][0] - at[0], before[index][1] - at[1]];
+    return {
+      move: (now) => moveCorner(before, index, [now[0] + off[0], now[1] + off[1]]),
+      end: finishCorners,
+    };
+  },
+  boxes: (target, at, floor) => {
+    if (state.adding) return beginBox(floor);
+    if (target.sides !== undefined) return beginSides([...target.sides].map(Number));
+    if (target.vertex !== undefined) return beginVertex(Number(target.vertex));
+    if (target.rim !== undefined) return beginRim();
+    if (target.box === undefined) {
+      state.selected = null;
+      changed();
+      return null;
+    }
+    return beginMove(Number(target.box), floor);
+  },
+  plan: (target, at, floor) => {
+    if (target.heading !== undefined) return { move: (now, place) => turnStart(place) };
+    if (target.start !== undefined) return beginPlace('start', floor);
+    if (target.goal !== undefined) return beginPlace('goal', floor);
+    if (!state.start) {
+      state.start = [...onFloor(floor), 0];
+      changed();
+      return { move: (now, place) => turnStart(place), end: replan };
+    }
+    state.goal = [...onFloor(floor), state.goal?.[2] ?? null];
+    changed();
+    replan();
+    return beginPlace('goal', floor);
+  },
+};
+
+function moveCorner(before, index, place) {
+  corners = before.map((corner, i) => (i === index ? place : corner));
+  changed();
+}
+
+let corner = { timer: 0 };
+async function finishCorners() {
+  if (!corners) return;
+  clearTimeout(corner.timer);
+  const done = corners;
+  await useCorners(done.map((point) => point.map((value) => round(value, 2))));
+  if (corners === done) corners = null;
+  changed();
+}
+
+function beginPlace(what, floor) {
+  const before = [...state[what]];
+  return {
+    move: (now, place) => {
+      const [x, y] = onFloor([before[0] + place[0] - floor[0], before[1] + place[1] - floor[1]]);
+      state[what] = [x, y, before[2]];
+      changed();
+      replan();
+    },
+  };
+}
+
+function turnStart([x, y]) {
+  const [dx, dy] = [x - state.start[0], y - state.start[1]];
+  if (Math.hypot(dx, dy) < 0.01) return;
+  state.start = [state.start[0], state.start[1], round(Math.atan2(dy, dx), 4)];
+  changed();
+  replan();
+}
+
+function replaceBox(index, box) {
+  const list = state.scene.obstacles.map((old, i) => (i === index ? box : old));
+  // What a person has drawn is where it is.
+  const margins = state.margins.map((margin, i) => (i === index ? noMargin(box) : margin));
+  editScene(list, margins, false);
+}
+
+function beginSides(sides) {
+  const index = state.selected;
+  rememberScene();
+  return {
+    move: (now, place) => {
+      const box = [...state.scene.obstacles[index]];
+      const at = onFloor(place);
+      for (const side of sides) {
+        const axis = side % 2;
+        box[side] = side < 2 ? Math.min(at[axis], box[axis + 2] - LEAST_BOX) : Math.max(at[axis], box[axis] + LEAST_BOX);
+      }
+      replaceBox(index, box.map((value) => round(value, 4)));
+    },
+  };
+}
+
+function beginVertex(vertex) {
+  const index = state.selected;
+  rememberScene();
+  return {
+    move: (now, place) => {
+      const box = state.scene.obstacles[index];
+      replaceBox(index, { ...box, polygon: box.polygon.map((at, i) => (i === vertex ? onFloor(place) : at)) });
+    },
+  };
+}
+
+function beginRim() {
+  const index = state.selected;
+  rememberScene();
+  return {
+    move: (now, place) => {
+      const box = state.scene.obstacles[index];
+      const [x, y] = box.circle;
+      const radius = Math.max(Math.hypot(place[0] - x, place[1] - y), LEAST_BOX);
+      replaceBox(index, { ...box, circle: [x, y, round(radius, 4)] });
+    },
+  };
+}
+
+function beginMove(index, floor) {
+  state.selected = index;
+  changed();
+  const before = state.scene.obstacles[index];
+  let remembered = false;
+  return {
+    move: (now, place) => {
+      const [dx, dy] = [round(place[0] - floor[0], 4), round(place[1] - floor[1], 4)];
+      if (!remembered && Math.hypot(dx, dy) < 0.004) return;
+      if (!remembered) rememberScene();
+      remembered = true;
+      replaceBox(index, moved(before, dx, dy));
+    },
+  };
+}
+
+function beginBox(floor) {
+  const from = onFloor(floor);
+  const index = state.scene.obstacles.length;
+  const add = (to) => {
+    const box = [Math.min(from[0], to[0]), Math.min(from[1], to[1]), Math.max(from[0], to[0]), Math.max(from[1], to[1])];
+    if (box[2] - box[0] < LEAST_BOX || box[3] - box[1] < LEAST_BOX) return;
+    const isNew = state.scene.obstacles.length === index;
+    editScene([...state.scene.obstacles.slice(0, index), box], [...state.margins.slice(0, index), noMargin(box)], isNew);
+    state.selected = index;
+  };
+  return {
+    move: (now, place) => add(onFloor(place)),
+    end: () => {
+      state.adding = false;
+      changed();
+    },
+  };
+}
+
+/** Takes an obstacle away. */
+export function erase(index) {
+  if (index === null || !state.scene?.obstacles[index]) return;
+  const without = (list) => list.filter((_, i) => i !== index);
+  state.selected = null;
+  editScene(without(state.scene.obstacles), without(state.margins));
+}
+
+// The arrow keys.
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+view.addEventListener('keydown', (event) => {
+  const target = event.target.closest('[data-key]')?.dataset;
+  if (!target || !map) return;
+  if ((event.key === 'Delete' || event.key === 'Backspace') && target.box !== undefined) {
+    event.preventDefault();
+    return erase(Number(target.box));
+  }
+  if ((event.key === 'Enter' || event.key === ' ') && target.box !== undefined) {
+    event.preventDefault();
+    state.selected = Number(target.box);
+    return changed();
+  }
+  const way = ARROWS[event.key];
+  if (!way) return;
+  event.preventDefault();
+  const [dx, dy] = way.map((value) => value * (event.shiftKey ? 0.05 : 0.01));
+  if (target.corner !== undefined) {
+    const index = Number(target.corner);
+    const [x, y] = currentCorners()[index];
+    moveCorner(currentCorners(), index, [x + way[0] * (event.shiftKey ? 10 : 1), y - way[1] * (event.shiftKey ? 10 : 1)]);
+    clearTimeout(corner.timer);
+    corner.timer = setTimeout(finishCorners, 600);
+  } else if (target.box !== undefined) {
+    const index = Number(target.box);
+    rememberScene();
+    replaceBox(index, moved(state.scene.obstacles[index], dx, dy));
+  } else if (target.heading !== undefined) {
+    const turned = state.start[2] - way[0] * (event.shiftKey ? 0.26 : 0.0873);
+    state.start[2] = round(Math.atan2(Math.sin(turned), Math.cos(turned)), 4);
+    changed();
+    replan();
+  } else {
+    const what = target.goal !== undefined ? 'goal' : 'start';
+    state[what] = [...onFloor([state[what][0] + dx, state[what][1] + dy]), state[what][2]];
+    changed();
+    replan();
+  }
+});
+
+/** Takes in where the robot is now. */
+export function followRobot() {
+  const run = state.run;
+  if (run && trail.run !== run.revision && (run.active || run.trail.length)) {
+    trail = { run: run.revision, points: [...run.trail] };
+  }
+  const pose = state.base?.pose;
+  if (state.drive?.active && pose) {
+    const last = trail.points.at(-1);
+    if (!last || Math.hypot(last[0] - pose[0], last[1] - pose[1]) > 0.002) trail.points.push([pose[0], pose[1]]);
+  }
+}
+
+onChange(draw, shownState);
+new ResizeObserver(() => changed()).observe(view);

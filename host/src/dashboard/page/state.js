@@ -1,0 +1,57 @@
+// What the page shows: one object, and who wants to know when it changes. Metres and radians.
+
+export const state = {
+  step: 'photo',
+  /** From the server: photo {width, height}, detection, scene, plan, run, base, drive. */
+  photo: null,
+  arena: null,
+  radius: 0.075,
+  corners: null,
+  detection: null,
+  scene: null,
+  margins: [],
+  plan: null,
+  planProblem: null,
+  run: null,
+  base: null,
+  drive: null,
+  revision: { photo: -1, scene: -1, plan: -1, run: -1 },
+  /** What the person wants: [x, y, heading] and [x, y, heading or null]. */
+  start: null,
+  goal: null,
+  planner: 'exact',
+  cost: 'length',
+  margin: null,
+  /** What the person is doing. */
+  selected: null,
+  adding: false,
+  undo: [],
+  working: '',
+  problem: { photo: null, boxes: null, drive: null },
+  online: false,
+  heard: performance.now(),
+};
+
+const listeners = [];
+let due = false;
+
+/** Calls `listener` after a change, at most once a frame; with `on` only if what that gives has changed: what
+ * stays as it is must not be made anew under the pointer. */
+export function onChange(listener, on = null) {
+  let last = null;
+  listeners.push(() => {
+    const now = on && JSON.stringify(on(state));
+    if (on && now === last) return;
+    last = now;
+    listener(state);
+  });
+}
+
+export function changed() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(() => {
+    due = false;
+    for (const listener of listeners) listener();
+  });
+}

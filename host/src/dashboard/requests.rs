@@ -1,0 +1,146 @@
+//! What a page asks for, as JSON. A name that is not known is refused, so that a slip of the pen does not
+//! drive with a default.
+
+use super::error::Failure;
+use crate::cli::args::WayArgs;
+use clap::ValueEnum;
+use serde::Deserialize;
+use serde_json::Value;
+use wmr::geometry::Arena;
+use wmr::scene::Goal;
+
+/// `POST /api/photo`, where the photo is not the body itself.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SampleRequest {
+    pub(super) sample: String,
+}
+
+/// `POST /api/corners`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CornersRequest {
+    /// Lower left, lower right, upper right, upper left; `null` looks for them again.
+    pub(super) corners_px: Option<[[f64; 2]; 4]>,
+}
+
+/// `POST /api/detect`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DetectRequest {
+    pub(super) arena: Option<Arena>,
+    pub(super) robot_radius: Option<f64>,
+}
+
+/// `POST /api/plan`; what is not given stays as it was.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlanRequest {
+    pub(super) scene: Option<Value>,
+    pub(super) start: Option<Goal>,
+    pub(super) goal: Option<Goal>,
+    pub(super) margin: Option<f64>,
+    pub(super) planner: Option<String>,
+    pub(super) cost: Option<String>,
+    pub(super) inflation: Option<String>,
+    pub(super) timing: Option<String>,
+    pub(super) leg_time: Option<f64>,
+    pub(super) no_reverse: Option<bool>,
+}
+
+/// `POST /api/drive`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DriveRequest {
+    /// The revision of the plan that the person saw.
+    pub(super) plan: Option<u64>,
+    /// Whether to drive on when the last page is closed.
+    #[serde(default)]
+    pub(super) unattended: bool,
+}
+
+/// `POST /api/jog`: one of the two.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JogRequest {
+    /// Metres ahead; behind if negative.
+    pub(super) distance: Option<f64>,
+    /// Radians to the left; to the right if negative.
+    pub(super) turn: Option<f64>,
+}
+
+impl PlanRequest {
+    /// The same as the options of `wmr plan`.
+    pub(super) fn way_args(&self) -> Result<WayArgs, Failure> {
+        let mut args = WayArgs { start: self.start, goal: self.goal, ..WayArgs::default() };
+        args.margin = self.margin;
+        if let Some(margin) = self.margin
+            && !(0.0..=MOST_MARGIN).contains(&margin)
+        {
+            return Err(Failure::bad_request(format!(
+                "a margin of {margin} m is not possible; 0 to {MOST_MARGIN} m"
+            )));
+        }
+        args.planner = named(&self.planner)?.unwrap_or(args.planner);
+        args.cost = named(&self.cost)?.unwrap_or(args.cost);
+        args.inflation = named(&self.inflation)?;
+        args.timing = named(&self.timing)?.unwrap_or(args.timing);
+        args.no_reverse = self.no_reverse.unwrap_or(false);
+        if let Some(seconds) = self.leg_time {
+            if !(seconds > 0.0 && seconds <= MOST_LEG_TIME) {
+                return Err(Failure::bad_request(format!("a leg of {seconds} s is not possible")));
+            }
+            args.leg_time = seconds;
+        }
+        Ok(args)
+    }
+}
+
+/// More than this is no margin but another arena, metres.
+const MOST_MARGIN: f64 = 10.0;
+/// As on the command line, seconds.
+const MOST_LEG_TIME: f64 = 900.0;
+
+/// A name as the command line knows it.
+fn named<T: ValueEnum>(name: &Option<String>) -> Result<Option<T>, Failure> {
+    let Some(name) = name else { return Ok(None) };
+    T::from_str(name, false).map(Some).map_err(|_| {
+        let all: Vec<_> =
+            T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+        let known: Vec<_> = all.iter().map(|value| value.get_name()).collect();
+        Failure::bad_request(format!("{name:?} is none of {}", known.join(", ")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{CostName, PlannerName};
+
+    #[test]
+    fn names_are_those_of_the_command_line() {
+        let request: PlanRequest =
+            serde_json::from_str(r#"{"planner":"tree","cost":"turns","goal":[1,2,0.5]}"#).unwrap();
+        let args = request.way_args().unwrap();
+        assert_eq!((args.planner, args.cost), (PlannerName::Tree, CostName::Turns));
+        assert_eq!(args.goal.unwrap().heading, Some(0.5));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_with_what_is_known() {
+        for text in [
+            r#"{"planner":"Exact"}"#,
+            r#"{"margin":-0.001}"#,
+            r#"{"margin":1e9}"#,
+            r#"{"leg_time":0}"#,
+        ] {
+            let request: PlanRequest = serde_json::from_str(text).unwrap();
+            assert!(request.way_args().is_err(), "{text}");
+        }
+        let request: PlanRequest = serde_json::from_str(r#"{"planner":"a*"}"#).unwrap();
+        let message = request.way_args().unwrap_err().error.message;
+        assert!(message.contains("exact, grid, tree"), "{message}");
+        assert!(serde_json::from_str::<PlanRequest>(r#"{"planer":"grid"}"#).is_err());
+        assert!(serde_json::from_str::<JogRequest>(r#"{"distance":"far"}"#).is_err());
+    }
+}

@@ -1,0 +1,392 @@
+//! The thread that has the robot: it keeps the link alive, drives, and stops whenever it is asked to.
+//!
+//! It waits for nobody but its port: orders come through a queue that is looked at between drives, pause
+//! and stop through [`Controls`], which are read at each step of 2 ms.
+
+use super::live::{Controls, Live, RunStatus};
+use super::lock;
+use super::paced::Paced;
+use crate::cli::args::{TimingName, WayArgs};
+use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
+use crate::cli::error::{CliError, Exit};
+use crate::cli::run::{Run, RunClock};
+use crate::cli::way::{self, PlannedWay};
+use hil_sim::base::TruePose;
+use protocol::message::Report;
+use protocol::motion::{self, Leg, Limits, Timing};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use wmr::geometry::{Point, Pose};
+use wmr::legs::{LegOptions, from_wire, planned_end, to_legs};
+use wmr::link::drive::{DriveError, DriveEvent, TimedPort, Wish, drive_as_wished, wait_for};
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::{LinkClient, LinkError};
+
+/// Which robot.
+#[derive(Clone, Debug)]
+pub(super) struct RobotSettings {
+    pub(super) port: String,
+    pub(super) speed: f64,
+    pub(super) seed: u64,
+}
+
+/// What the robot is to do next.
+#[derive(Debug)]
+pub(super) struct Order {
+    pub(super) motion: Motion,
+    /// How many stops there had been when this was asked for.
+    pub(super) stops: u64,
+}
+
+#[derive(Debug)]
+pub(super) enum Motion {
+    Drive(Box<PlannedWay>, WayArgs),
+    /// So far ahead of where it stands, or behind; metres.
+    Ahead(f64),
+    /// So far to the left, radians.
+    Turn(f64),
+}
+
+/// A step of the link between drives.
+const IDLE_STEP: Duration = Duration::from_millis(4);
+/// A port that could not be opened is tried again after this long.
+const RETRY: Duration = Duration::from_secs(1);
+/// At the end the robot is given this long to hear the stop.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+/// The trail has a point at most so often, seconds.
+const TRAIL_INTERVAL: f64 = 0.1;
+/// And at most so close to the last, metres.
+const TRAIL_STEP: f64 = 0.002;
+
+/// Starts the thread.
+pub(super) fn spawn(
+    settings: RobotSettings,
+    live: Arc<Mutex<Live>>,
+    controls: Arc<Controls>,
+) -> (SyncSender<Order>, JoinHandle<()>) {
+    let (sender, orders) = sync_channel(1);
+    let thread = std::thread::spawn(move || {
+        let mut robot = RobotThread {
+            settings,
+            live,
+            controls,
+            client: None,
+            next_try: Instant::now(),
+            stops: 0,
+        };
+        // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can begin anew.
+        while catch_unwind(AssertUnwindSafe(|| robot.run(&orders))).is_err() {
+            robot.client = None;
+            let help = "the robot stops by itself; drive again, and please report it";
+            let error = CliError::new(Exit::Bug, "bug", "the robot's thread has failed", help);
+            robot.end_run(None, Some(&error));
+        }
+    });
+    (sender, thread)
+}
+
+struct RobotThread {
+    settings: RobotSettings,
+    live: Arc<Mutex<Live>>,
+    controls: Arc<Controls>,
+    client: Option<LinkClient<Paced>>,
+    next_try: Instant,
+    /// The stops that the robot was told of.
+    stops: u64,
+}
+
+impl RobotThread {
+    fn run(&mut self, orders: &Receiver<Order>) {
+        while !self.controls.has_ended() {
+            match orders.try_recv() {
+                Ok(order) => self.carry_out(order),
+                Err(TryRecvError::Empty) => self.idle(),
+                Err(TryRecvError::Disconnected) => break,
+            }
+        }
+        self.say_goodbye();
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.settings.port == "sim" || self.settings.port.starts_with("elf:")
+    }
+
+    /// Opens the port, with `world` around a simulated robot.
+    fn open(
+        &self,
+        world: SimulatedWorld,
+        robot: SimulatedRobot,
+    ) -> Result<LinkClient<Paced>, CliError> {
+        let endpoint = endpoint::open(&self.settings.port, world, robot)?;
+        let port = Paced::new(endpoint, self.settings.speed);
+        let nonce = port.nonce();
+        Ok(LinkClient::new(port, nonce))
+    }
+
+    /// Keeps the link alive while there is nothing to do.
+    fn idle(&mut self) {
+        if self.client.is_none() {
+            if Instant::now() < self.next_try {
+                return std::thread::sleep(IDLE_STEP);
+            }
+            let nowhere = SimulatedWorld {
+                world: None,
+                start: TruePose::default(),
+                seed: self.settings.seed,
+            };
+            match self.open(nowhere, SimulatedRobot::Default) {
+                Ok(client) => self.client = Some(client),
+                Err(error) => return self.lose(&error),
+            }
+        }
+        if let Err(error) = self.listen() {
+            self.lose(&error);
+        }
+    }
+
+    /// One step of the link: passes on a stop, and takes in what the robot says.
+    fn listen(&mut self) -> Result<(), CliError> {
+        let Some(client) = &mut self.client else { return Ok(()) };
+        let stops = self.controls.stops();
+        if self.stops != stops {
+            self.stops = stops;
+            client.stop();
+        }
+        let now = client.port_mut().now();
+        let reports = client.poll(now)?;
+        {
+            let mut live = lock(&self.live);
+            live.robot = client.robot().copied();
+            if let Some(telemetry) = client.telemetry()
+                && live.telemetry.is_none_or(|last| last.ticks != telemetry.ticks)
+            {
+                live.hear(*telemetry);
+            }
+            for report in reports {
+                if let Report::Battery(battery) = report {
+                    live.battery = Some(battery);
+                }
+            }
+        }
+        client.port_mut().wait(IDLE_STEP).map_err(LinkError::from)?;
+        Ok(())
+    }
+
+    fn lose(&mut self, error: &CliError) {
+        self.client = None;
+        self.next_try = Instant::now() + RETRY;
+        lock(&self.live).lose(error.json()["error"].clone());
+    }
+
+    fn carry_out(&mut self, order: Order) {
+        if order.stops != self.controls.stops() {
+            return self.end_run(None, Some(&stopped()));
+        }
+        let result = match order.motion {
+            Motion::Drive(way, args) => self.drive(&way, &args, order.stops).map(Some),
+            Motion::Ahead(distance) => self.jog(distance, 0.0, order.stops).map(|()| None),
+            Motion::Turn(angle) => self.jog(0.0, angle, order.stops).map(|()| None),
+        };
+        self.stops = order.stops;
+        match result {
+            Ok(Some((run, error))) => {
+                let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
+                self.end_run(Some(&run), error.as_ref());
+                if let Some(error) = error.filter(|_| is_lost) {
+                    self.lose(&error);
+                }
+            }
+            Ok(None) => {}
+            Err(error) => {
+                self.end_run(None, Some(&error));
+                if matches!(error.exit, Exit::Link | Exit::Port) {
+                    self.lose(&error);
+                }
+            }
+        }
+    }
+
+    /// Drives a way to its end, or to where it is cut short.
+    fn drive(
+        &mut self,
+        way: &PlannedWay,
+        args: &WayArgs,
+        stops: u64,
+    ) -> Result<(Run, Option<CliError>), CliError> {
+        let file = &way.file;
+        let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
+        let start = Pose { position: first, heading: file.start_heading() };
+        if self.is_simulated() || self.client.is_none() {
+            // A simulated robot stands where the plan begins, as if somebody had put it there.
+            let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
+            let robot = match args.timing {
+                TimingName::Limits => SimulatedRobot::Default,
+                TimingName::Paper => SimulatedRobot::Paper,
+            };
+            self.client = Some(self.open(world, robot)?);
+        }
+        let limits = self.greet(stops)?;
+        let legs = way::legs_of(file, args, &limits);
+        let mut run = Run::new(legs, limits, start);
+        run.origin = way::origin(&file.scene);
+        run.goal = file.waypoints.last().copied();
+        let result = self.follow(&mut run, start, stops);
+        if let Some(client) = &mut self.client {
+            run.truth = client.port_mut().truth();
+            run.link = client.statistics();
+        }
+        Ok((run, result.err()))
+    }
+
+    /// Waits until the robot has said who it is.
+    fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
+        let Some(client) = &mut self.client else { return Err(stopped()) };
+        let controls = &self.controls;
+        let robot = wait_for(
+            client,
+            || controls.stops() != stops,
+            |client, now| {
+                client.poll(now)?;
+                Ok::<_, LinkError>(client.robot().copied())
+            },
+        )?;
+        let robot = robot.ok_or_else(stopped)?;
+        lock(&self.live).robot = Some(robot);
+        Ok(robot.limits)
+    }
+
+    /// Follows the legs of `run` from `start`, and records how.
+    fn follow(&mut self, run: &mut Run, start: Pose, stops: u64) -> Result<(), CliError> {
+        let Some(client) = &mut self.client else { return Err(stopped()) };
+        let (live, controls) = (&self.live, &self.controls);
+        lock(live).run.legs = run.legs.iter().map(ends).collect();
+        if run.legs.is_empty() {
+            return Ok(());
+        }
+        let wire_start = to_wire(start);
+        let mut mission = Mission::new(run.legs.clone(), wire_start);
+        let mut clock = RunClock::default();
+        let wish = || match (controls.stops() != stops, controls.is_paused()) {
+            (true, _) => Wish::Stop,
+            (false, true) => Wish::Pause,
+            (false, false) => Wish::Drive,
+        };
+        let driven = drive_as_wished(client, &mut mission, wish, |event, _| {
+            let DriveEvent::Mission(event) = event else { return };
+            run.record(event, &mut clock);
+            if let MissionEvent::Telemetry(telemetry) = event {
+                let mut live = lock(live);
+                live.hear(telemetry);
+                if let Some(sample) = run.samples.last() {
+                    live.run.follow(sample.time, from_wire(telemetry.pose).position);
+                    live.run.leg = usize::from(telemetry.leg);
+                }
+            }
+        });
+        driven.map(|_| ()).map_err(|error| match error {
+            DriveError::Stopped | DriveError::StopUnconfirmed => CliError::new(
+                Exit::Robot,
+                "robot.stopped",
+                error,
+                "plan again from where it stands",
+            ),
+            DriveError::Mission(MissionError::Stopped) => stopped(),
+            error => error.into(),
+        })
+    }
+
+    /// Moves a little, from where the robot stands.
+    fn jog(&mut self, distance: f64, angle: f64, stops: u64) -> Result<(), CliError> {
+        let limits = self.greet(stops)?;
+        let Some(telemetry) = lock(&self.live).telemetry else { return Err(stopped()) };
+        let start = from_wire(telemetry.pose);
+        let (sin, cos) = start.heading.sin_cos();
+        let Point { x, y } = start.position;
+        let way = [start.position, Point::new(x + distance * cos, y + distance * sin)];
+        let goal_heading = (angle != 0.0).then_some(start.heading + angle);
+        let options = LegOptions { timing: Timing::Limits, reverse: true };
+        let legs = to_legs(&way, start.heading, goal_heading, &options, &limits);
+        let mut run = Run::new(legs, limits, start);
+        self.follow(&mut run, start, stops)?;
+        lock(&self.live).run.end(None, None, String::new());
+        Ok(())
+    }
+
+    fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
+        let report = run.map(|run| {
+            let mut report = run.document();
+            if let Some(fields) = report.as_object_mut() {
+                let planned = planned_end(&run.legs, &run.limits);
+                fields.insert("planned_end".into(), serde_json::json!(planned));
+            }
+            report
+        });
+        let lines = run.map(Run::lines).unwrap_or_default();
+        let error = error.map(|error| error.json()["error"].clone());
+        lock(&self.live).run.end(report, error, lines);
+        self.controls.set_paused(false);
+    }
+
+    /// Leaves a robot at rest.
+    fn say_goodbye(&mut self) {
+        let until = Instant::now() + END_PATIENCE;
+        while self.client.is_some() && Instant::now() < until {
+            if self.listen().is_err() {
+                return;
+            }
+            if self.client.as_ref().is_some_and(|client| client.last_stop().1) {
+                return;
+            }
+        }
+    }
+}
+
+impl RunStatus {
+    /// A drive is asked for.
+    pub(super) fn begin(&mut self) {
+        *self = Self { revision: self.revision + 1, active: true, ..Self::default() };
+    }
+
+    fn follow(&mut self, time: f64, at: Point) {
+        let last = self.trail.last().copied();
+        let is_new = last.is_none_or(|last| last.distance(at) > TRAIL_STEP);
+        if is_new && (last.is_none() || time - self.time_of_trail >= TRAIL_INTERVAL) {
+            self.trail.push(at);
+            self.time_of_trail = time;
+        }
+        self.time = time;
+    }
+
+    fn end(
+        &mut self,
+        report: Option<serde_json::Value>,
+        error: Option<serde_json::Value>,
+        lines: String,
+    ) {
+        self.revision += 1;
+        self.active = false;
+        self.report = report;
+        self.error = error;
+        self.lines = lines;
+    }
+}
+
+fn ends(leg: &Leg) -> [Point; 2] {
+    [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
+}
+
+fn to_wire(pose: Pose) -> motion::Pose {
+    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
+}
+
+fn stopped() -> CliError {
+    CliError::new(
+        Exit::Robot,
+        "robot.stopped",
+        "the robot was stopped",
+        "plan again from where it stands",
+    )
+}
