@@ -11,8 +11,10 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const OUTPUT: &str = "It prints:\n\n```text\n";
 
 /// Commands that a test cannot run as they stand, and why.
-const NOT_RUN: [(&str, &str); 4] = [
+const NOT_RUN: [(&str, &str); 6] = [
     ("tests/run", "it runs this test"),
+    ("wmr serve", "it serves until Ctrl-C; tests/page/run does so"),
+    ("wmr demo --page", "the same"),
     ("firmware/build && ", "tests/run builds the firmware; figures take longer than a test should"),
     ("cargo run --release -p wmr-tests --example ", "figures take longer than a test should"),
     ("cargo run --release --manifest-path tests/planner_bench/", "it builds other planners"),
