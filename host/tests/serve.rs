@@ -401,6 +401,35 @@ fn two_jogs_lead_where_they_should() {
     assert!((number(2) - 0.3).abs() < 0.03, "{pose}");
 }
 
+/// Bytes that are no web socket frames, frames of every kind, and a message larger than any: the socket ends,
+/// the server and its robot do not.
+#[test]
+fn nothing_that_a_socket_says_disturbs_a_drive() {
+    let server = Server::start_at("2");
+    server.plan_sample();
+    server.done("drive", &json!({"unattended": true}));
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut ended = 0;
+    while !is_at_rest(&server.state()) {
+        let (status, mut socket) = server.open_socket(&server.token, &[("Host", &server.host)]);
+        assert_eq!(status, 101);
+        for _ in 0..20 {
+            let length = random.usize(..120);
+            let masked = [random.u8(..), 0x80 | length as u8, 1, 2, 3, 4];
+            let body: Vec<u8> = (0..length).map(|_| random.u8(..)).collect();
+            let sent = socket.write_all(&masked).and_then(|()| socket.write_all(&body));
+            if sent.is_err() {
+                break;
+            }
+        }
+        socket.shutdown(std::net::Shutdown::Write).unwrap_or_default();
+        let mut rest = Vec::new();
+        ended += usize::from(socket.read_to_end(&mut rest).is_ok());
+    }
+    assert!(ended > 10, "{ended}");
+    assert_eq!(server.state()["run"]["report"]["reached"], true);
+}
+
 /// Requests of chance, and of a page gone mad, while the robot drives: it arrives all the same.
 #[test]
 fn nothing_that_is_asked_disturbs_a_drive() {

@@ -60,7 +60,7 @@ export const close = () => browser?.close();
 
 /** Opens the page, fails on any error in it, and notes every request that leaves for elsewhere. */
 export async function open(server, { width = 1280, height = 860, colorScheme = 'light' } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme, hasTouch: width < 500 });
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme, hasTouch: width < 500, reducedMotion: 'reduce' });
   const page = await context.newPage();
   page.errors = [];
   page.foreign = [];

@@ -46,6 +46,12 @@ onPage('the sample is outlined as it was drawn, planned and driven, in four clic
   assert.equal(await page.locator('#drive-now').isDisabled(), true, 'no plan, no drive');
   await clickFloor(page, SAMPLE.goal);
   await page.waitForSelector('#path');
+  // A look ahead: at its end the ghost stands on the goal.
+  await page.fill('#preview', String((await state(page)).plan.duration - 0.05));
+  await page.waitForSelector('#ghost');
+  const [ghost, ring] = await Promise.all(['#ghost', '.goal-ring'].map((name) => page.locator(name).boundingBox()));
+  assert.ok(Math.hypot(ghost.x - ring.x, ghost.y - ring.y) < 8, 'the ghost arrives');
+  await page.fill('#preview', '6');
   await shot(page, '3-plan');
   await page.click('#drive-now');
   await until(page, () => window.wmr.state.drive.leg >= 4);

@@ -16,6 +16,7 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 use std::sync::Arc;
 use wmr::geometry::Arena;
+use wmr::legs::{DEFAULT_LIMITS, planned_poses};
 use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
 use wmr::vision;
 
@@ -24,6 +25,9 @@ const SILENT: Output = Output { json: true, quiet: true };
 
 /// More obstacles than this are no arena that a person edits; planning would keep the page waiting.
 const MOST_OBSTACLES: usize = 2000;
+
+/// So many moments of a plan are shown in advance.
+const MOST_PREVIEWS: usize = 120;
 
 /// All that people work on.
 #[derive(Debug)]
@@ -230,7 +234,7 @@ impl Desk {
         });
         let scene = self.scene.as_ref().map(|desk| &desk.scene);
         let plan = self.plan.as_ref().map(|plan| match &plan.result {
-            Ok((way, _)) => plan_document(way),
+            Ok((way, args)) => plan_document(way, args),
             Err(error) => error.json(),
         });
         json!({
@@ -277,12 +281,22 @@ pub(super) fn plan(scene: &Scene, args: &WayArgs) -> Result<Box<PlannedWay>, Cli
 }
 
 /// The document of `wmr plan --json`, with what that command would say beside it.
-pub(super) fn plan_document(way: &PlannedWay) -> Value {
+pub(super) fn plan_document(way: &PlannedWay, args: &WayArgs) -> Value {
     let mut document = json!(way.file);
+    let legs = way::legs_of(&way.file, args, &DEFAULT_LIMITS);
+    let poses = planned_poses(&legs, &DEFAULT_LIMITS);
+    let every = poses.len().div_ceil(MOST_PREVIEWS).max(1);
+    let preview: Vec<_> = poses.iter().step_by(every).chain(poses.last()).collect();
     if let Some(fields) = document.as_object_mut() {
         let exit_leg = way.plan.as_ref().and_then(|plan| plan.exit_leg);
         fields.insert("margin".into(), json!(way.options.margin));
         fields.insert("exit_leg".into(), json!(exit_leg));
+        let preview = preview.iter().map(|(time, pose)| {
+            let [x, y, heading] = <[f64; 3]>::from(*pose);
+            let corner = way::origin(&way.file.scene);
+            json!([time, x + corner.x, y + corner.y, heading])
+        });
+        fields.insert("preview".into(), preview.collect());
     }
     document
 }

@@ -25,7 +25,7 @@ macro_rules! files {
 }
 
 /// Name, kind and text of each file that the page asks for.
-pub(super) const FILES: [(&str, &str, &str); 14] = files! {
+pub(super) const FILES: [(&str, &str, &str); 15] = files! {
     "style.css": CSS,
     "app.js": JAVASCRIPT,
     "api.js": JAVASCRIPT,
@@ -34,6 +34,7 @@ pub(super) const FILES: [(&str, &str, &str); 14] = files! {
     "actions.js": JAVASCRIPT,
     "floor.js": JAVASCRIPT,
     "stage.js": JAVASCRIPT,
+    "hands.js": JAVASCRIPT,
     "photo.js": JAVASCRIPT,
     "boxes.js": JAVASCRIPT,
     "plan.js": JAVASCRIPT,

@@ -114,17 +114,17 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
     let args = request.way_args()?;
     let mut scene = lock(&dashboard.desk).scene_for(&request)?;
     way::take_ends(&mut scene, &args);
-    let (scene, args, result) = dashboard
+    let (scene, args, result, answer) = dashboard
         .jobs
         .run(move || {
             let result = desk::plan(&scene, &args);
-            Ok((scene, args, result))
+            let answer = match &result {
+                Ok(way) => Ok(desk::plan_document(way, &args)),
+                Err(error) => Err(error.clone()),
+            };
+            Ok((scene, args, result, answer))
         })
         .await?;
-    let answer = match &result {
-        Ok(way) => Ok(desk::plan_document(way)),
-        Err(error) => Err(error.clone()),
-    };
     let result = result.map(|way| (way, args));
     let revisions = lock(&dashboard.desk).take_plan(scene, result);
     // The page that asked knows what it shows; others fetch it.

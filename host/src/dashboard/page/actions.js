@@ -136,6 +136,14 @@ export async function useCorners(corners) {
   });
 }
 
+/** Takes an obstacle away. */
+export function erase(index) {
+  if (index === null || !state.scene?.obstacles[index]) return;
+  const without = (list) => list.filter((_, i) => i !== index);
+  state.selected = null;
+  editScene(without(state.scene.obstacles), without(state.margins));
+}
+
 /** Changes the obstacles; what was there before can be had back. */
 export function editScene(obstacles, margins, keepUndo = true) {
   if (keepUndo) rememberScene();

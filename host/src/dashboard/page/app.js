@@ -3,7 +3,8 @@
 import { listen } from './api.js';
 import { find } from './dom.js';
 import { isPlanning, refresh, replan, restore, timing } from './actions.js';
-import { currentCorners, followRobot, isDragging } from './stage.js';
+import { isDragging } from './hands.js';
+import { currentCorners, followRobot } from './stage.js';
 import './bar.js';
 import './photo.js';
 import './boxes.js';

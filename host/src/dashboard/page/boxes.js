@@ -1,9 +1,8 @@
 // Step 2: what was recognised, and its correction.
 
 import { element, fill, find, showProblem } from './dom.js';
-import { editScene, replan, undoEdit } from './actions.js';
+import { editScene, erase, replan, undoEdit } from './actions.js';
 import { bounds, centimetres, isBox, noMargin, round } from './floor.js';
-import { erase } from './stage.js';
 import { changed, onChange, state } from './state.js';
 
 const SIDES = ['box-x0', 'box-y0', 'box-x1', 'box-y1'];

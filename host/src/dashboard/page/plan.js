@@ -30,6 +30,11 @@ find('how').addEventListener('change', () => {
 
 find('drive-now').addEventListener('click', drive);
 
+find('preview').addEventListener('input', (event) => {
+  state.preview = event.target.valueAsNumber;
+  changed();
+});
+
 /** What would have to move, if a gap is too narrow. */
 function advice(problem) {
   const gap = problem?.gap;
@@ -61,11 +66,16 @@ onChange(() => {
     ['Length', plan.length.toFixed(2), 'm'], ['Time', plan.duration.toFixed(1), 's'], ['Legs', String(plan.legs.length)],
     ['To obstacles', centimetres(plan.clearance - plan.scene.robot_radius), 'cm'], ['Margin kept', (plan.margin * 1000).toFixed(0), 'mm'],
   ] : []);
+  find('preview-field').hidden = !plan;
+  if (plan) {
+    find('preview').max = plan.duration;
+    find('preview-time').textContent = `${(state.preview ?? 0).toFixed(1)} s`;
+  }
   showProblem(find('plan-problem'), state.planProblem, ...advice(state.planProblem));
   if (shownMatrix !== plan?.mini_matrix) {
     shownMatrix = plan?.mini_matrix;
     showMatrix(shownMatrix);
   }
   find('drive-now').disabled = !plan || !state.online || !state.base?.connected || Boolean(state.drive?.active);
-}, ({ start, goal, planner, cost, plan, planProblem, online, base, drive: status }) =>
-  [start, goal, planner, cost, plan, planProblem, online, base?.connected, status?.active]);
+}, ({ start, goal, planner, cost, plan, preview, planProblem, online, base, drive: status }) =>
+  [start, goal, planner, cost, plan, preview, planProblem, online, base?.connected, status?.active]);

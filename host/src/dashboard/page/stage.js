@@ -1,25 +1,31 @@
-// The stage: the photo with everything that lies over it, and what the pointer and the arrow keys do there.
+// The stage: the photo with everything that lies over it, drawn anew where something has changed.
 
 import { withToken } from './api.js';
 import { find, shape } from './dom.js';
-import { bounds, clamp, circlePoints, floorMap, gapBetween, inflated, isBox, moved, noMargin, outline, round } from './floor.js';
-import { editScene, rememberScene, replan, useCorners } from './actions.js';
+import { bounds, circlePoints, floorMap, gapBetween, inflated, isBox, outline } from './floor.js';
 import { changed, onChange, state } from './state.js';
 
 const view = find('view');
-const LEAST_BOX = 0.01;
 const CORNERS = ['lower left', 'lower right', 'upper right', 'upper left'];
 
 let map = null;
 /** Corners under way, until they are let go. */
 let corners = null;
-let drag = null;
 let trail = { run: -1, points: [] };
 let unit = 1;
 
 const points = (list) => list.map(([x, y]) => `${x.toFixed(2)},${y.toFixed(2)}`).join(' ');
 const polygon = (floor, attributes) => shape('polygon', { points: points(floor.map(map.toPicture)), ...attributes });
 const line = (floor, attributes) => shape('polyline', { points: points(floor.map(map.toPicture)), ...attributes });
+
+/** From floor to picture and back, as drawn; null where nothing is. */
+export const currentMap = () => map;
+
+/** Shows the corners where they are dragged to; null shows where they were put. */
+export function showCorners(places) {
+  corners = places;
+  changed();
+}
 
 export function currentCorners() {
   return corners ?? state.corners ?? state.detection?.corners_px ?? null;
@@ -37,13 +43,22 @@ function frame() {
   return [Math.max(box[0], 0), Math.max(box[1], 0), Math.min(box[2], all[2]), Math.min(box[3], all[3])];
 }
 
+/** Where the robot will be at the moment that is looked at. */
+function ghost() {
+  const poses = state.plan?.preview;
+  if (state.step !== 'plan' || state.preview === null || !poses) return [];
+  const pose = (poses.find(([time]) => time >= state.preview) ?? poses.at(-1))?.slice(1);
+  if (!pose) return [];
+  return [polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: 'ghost', id: 'ghost' }), nose(pose)];
+}
+
 /** All that the drawing depends on. */
 function shownState() {
   const { step, photo, revision, arena, scene, selected, adding, plan, planProblem, start, goal: end, run } = state;
   const { width, height } = view.getBoundingClientRect();
   const driving = step === 'drive' ? [trail.points.length, trail.points.at(-1), state.base?.pose, run?.report !== null] : null;
   return [step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
-    plan?.waypoints, plan?.margin, planProblem?.gap, start, end, driving, width, height];
+    plan?.waypoints, plan?.margin, state.preview, planProblem?.gap, start, end, driving, width, height];
 }
 
 function draw() {
@@ -71,7 +86,7 @@ function layers() {
   const floor = state.photo ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
   if (state.step === 'photo') return [ground, floor, ...(state.photo && currentCorners() ? cornerHandles() : [])];
   if (!state.scene) return [ground, floor];
-  return [ground, floor, ...grown(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...boxHandles()];
+  return [ground, floor, ...grown(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...ghost(), ...boxHandles()];
 }
 
 const addOrigin = ([x, y]) => [x + (state.scene.origin?.[0] ?? 0), y + (state.scene.origin?.[1] ?? 0)];
@@ -200,253 +215,6 @@ function robot() {
     shape('g', { 'data-heading': '', 'data-key': 'heading', tabindex: 0, role: 'button', 'aria-label': 'Heading at the start; left and right arrow keys turn it' }, shape('circle', { class: 'handle', cx, cy, r: 7 * unit })),
   ];
 }
-
-// The pointer.
-
-function pictureAt(event) {
-  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(view.getScreenCTM().inverse());
-  return [point.x, point.y];
-}
-
-function onFloor(at) {
-  const [ox, oy] = state.scene?.origin ?? [0, 0];
-  const { width, height } = state.scene?.arena ?? state.arena;
-  return [clamp(at[0], ox, ox + width), clamp(at[1], oy, oy + height)].map((value) => round(value, 4));
-}
-
-view.addEventListener('pointerdown', (event) => {
-  if (event.button !== 0 || !map) return;
-  const target = event.target.closest('[data-corner],[data-sides],[data-vertex],[data-rim],[data-box],[data-start],[data-heading],[data-goal]');
-  const begin = begins[state.step];
-  drag = begin ? begin(target?.dataset ?? {}, pictureAt(event), map.toFloor(pictureAt(event))) : null;
-  if (!drag) return;
-  event.preventDefault();
-  target?.focus?.({ preventScroll: true });
-  view.setPointerCapture(event.pointerId);
-});
-
-view.addEventListener('pointermove', (event) => {
-  if (!drag) return;
-  const at = pictureAt(event);
-  drag.move(at, map.toFloor(at));
-});
-
-for (const name of ['pointerup', 'pointercancel']) {
-  view.addEventListener(name, () => {
-    const done = drag;
-    drag = null;
-    done?.end?.();
-  });
-}
-
-export const isDragging = () => drag !== null;
-
-const begins = {
-  photo: (target, at) => {
-    if (target.corner === undefined) return null;
-    const index = Number(target.corner);
-    const before = currentCorners().map((corner) => [...corner]);
-    const off = [before[index][0] - at[0], before[index][1] - at[1]];
-    return {
-      move: (now) => moveCorner(before, index, [now[0] + off[0], now[1] + off[1]]),
-      end: finishCorners,
-    };
-  },
-  boxes: (target, at, floor) => {
-    if (state.adding) return beginBox(floor);
-    if (target.sides !== undefined) return beginSides([...target.sides].map(Number));
-    if (target.vertex !== undefined) return beginVertex(Number(target.vertex));
-    if (target.rim !== undefined) return beginRim();
-    if (target.box === undefined) {
-      state.selected = null;
-      changed();
-      return null;
-    }
-    return beginMove(Number(target.box), floor);
-  },
-  plan: (target, at, floor) => {
-    if (target.heading !== undefined) return { move: (now, place) => turnStart(place) };
-    if (target.start !== undefined) return beginPlace('start', floor);
-    if (target.goal !== undefined) return beginPlace('goal', floor);
-    if (!state.start) {
-      state.start = [...onFloor(floor), 0];
-      changed();
-      return { move: (now, place) => turnStart(place), end: replan };
-    }
-    state.goal = [...onFloor(floor), state.goal?.[2] ?? null];
-    changed();
-    replan();
-    return beginPlace('goal', floor);
-  },
-};
-
-function moveCorner(before, index, place) {
-  corners = before.map((corner, i) => (i === index ? place : corner));
-  changed();
-}
-
-let corner = { timer: 0 };
-async function finishCorners() {
-  if (!corners) return;
-  clearTimeout(corner.timer);
-  const done = corners;
-  await useCorners(done.map((point) => point.map((value) => round(value, 2))));
-  if (corners === done) corners = null;
-  changed();
-}
-
-function beginPlace(what, floor) {
-  const before = [...state[what]];
-  return {
-    move: (now, place) => {
-      const [x, y] = onFloor([before[0] + place[0] - floor[0], before[1] + place[1] - floor[1]]);
-      state[what] = [x, y, before[2]];
-      changed();
-      replan();
-    },
-  };
-}
-
-function turnStart([x, y]) {
-  const [dx, dy] = [x - state.start[0], y - state.start[1]];
-  if (Math.hypot(dx, dy) < 0.01) return;
-  state.start = [state.start[0], state.start[1], round(Math.atan2(dy, dx), 4)];
-  changed();
-  replan();
-}
-
-function replaceBox(index, box) {
-  const list = state.scene.obstacles.map((old, i) => (i === index ? box : old));
-  // What a person has drawn is where it is.
-  const margins = state.margins.map((margin, i) => (i === index ? noMargin(box) : margin));
-  editScene(list, margins, false);
-}
-
-function beginSides(sides) {
-  const index = state.selected;
-  rememberScene();
-  return {
-    move: (now, place) => {
-      const box = [...state.scene.obstacles[index]];
-      const at = onFloor(place);
-      for (const side of sides) {
-        const axis = side % 2;
-        box[side] = side < 2 ? Math.min(at[axis], box[axis + 2] - LEAST_BOX) : Math.max(at[axis], box[axis] + LEAST_BOX);
-      }
-      replaceBox(index, box.map((value) => round(value, 4)));
-    },
-  };
-}
-
-function beginVertex(vertex) {
-  const index = state.selected;
-  rememberScene();
-  return {
-    move: (now, place) => {
-      const box = state.scene.obstacles[index];
-      replaceBox(index, { ...box, polygon: box.polygon.map((at, i) => (i === vertex ? onFloor(place) : at)) });
-    },
-  };
-}
-
-function beginRim() {
-  const index = state.selected;
-  rememberScene();
-  return {
-    move: (now, place) => {
-      const box = state.scene.obstacles[index];
-      const [x, y] = box.circle;
-      const radius = Math.max(Math.hypot(place[0] - x, place[1] - y), LEAST_BOX);
-      replaceBox(index, { ...box, circle: [x, y, round(radius, 4)] });
-    },
-  };
-}
-
-function beginMove(index, floor) {
-  state.selected = index;
-  changed();
-  const before = state.scene.obstacles[index];
-  let remembered = false;
-  return {
-    move: (now, place) => {
-      const [dx, dy] = [round(place[0] - floor[0], 4), round(place[1] - floor[1], 4)];
-      if (!remembered && Math.hypot(dx, dy) < 0.004) return;
-      if (!remembered) rememberScene();
-      remembered = true;
-      replaceBox(index, moved(before, dx, dy));
-    },
-  };
-}
-
-function beginBox(floor) {
-  const from = onFloor(floor);
-  const index = state.scene.obstacles.length;
-  const add = (to) => {
-    const box = [Math.min(from[0], to[0]), Math.min(from[1], to[1]), Math.max(from[0], to[0]), Math.max(from[1], to[1])];
-    if (box[2] - box[0] < LEAST_BOX || box[3] - box[1] < LEAST_BOX) return;
-    const isNew = state.scene.obstacles.length === index;
-    editScene([...state.scene.obstacles.slice(0, index), box], [...state.margins.slice(0, index), noMargin(box)], isNew);
-    state.selected = index;
-  };
-  return {
-    move: (now, place) => add(onFloor(place)),
-    end: () => {
-      state.adding = false;
-      changed();
-    },
-  };
-}
-
-/** Takes an obstacle away. */
-export function erase(index) {
-  if (index === null || !state.scene?.obstacles[index]) return;
-  const without = (list) => list.filter((_, i) => i !== index);
-  state.selected = null;
-  editScene(without(state.scene.obstacles), without(state.margins));
-}
-
-// The arrow keys.
-
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-
-view.addEventListener('keydown', (event) => {
-  const target = event.target.closest('[data-key]')?.dataset;
-  if (!target || !map) return;
-  if ((event.key === 'Delete' || event.key === 'Backspace') && target.box !== undefined) {
-    event.preventDefault();
-    return erase(Number(target.box));
-  }
-  if ((event.key === 'Enter' || event.key === ' ') && target.box !== undefined) {
-    event.preventDefault();
-    state.selected = Number(target.box);
-    return changed();
-  }
-  const way = ARROWS[event.key];
-  if (!way) return;
-  event.preventDefault();
-  const [dx, dy] = way.map((value) => value * (event.shiftKey ? 0.05 : 0.01));
-  if (target.corner !== undefined) {
-    const index = Number(target.corner);
-    const [x, y] = currentCorners()[index];
-    moveCorner(currentCorners(), index, [x + way[0] * (event.shiftKey ? 10 : 1), y - way[1] * (event.shiftKey ? 10 : 1)]);
-    clearTimeout(corner.timer);
-    corner.timer = setTimeout(finishCorners, 600);
-  } else if (target.box !== undefined) {
-    const index = Number(target.box);
-    rememberScene();
-    replaceBox(index, moved(state.scene.obstacles[index], dx, dy));
-  } else if (target.heading !== undefined) {
-    const turned = state.start[2] - way[0] * (event.shiftKey ? 0.26 : 0.0873);
-    state.start[2] = round(Math.atan2(Math.sin(turned), Math.cos(turned)), 4);
-    changed();
-    replan();
-  } else {
-    const what = target.goal !== undefined ? 'goal' : 'start';
-    state[what] = [...onFloor([state[what][0] + dx, state[what][1] + dy]), state[what][2]];
-    changed();
-    replan();
-  }
-});
 
 /** Takes in where the robot is now. */
 export function followRobot() {

@@ -22,6 +22,8 @@ export const state = {
   planner: 'exact',
   cost: 'length',
   margin: null,
+  /** The moment of the plan that is looked at, seconds; null for none. */
+  preview: null,
   /** What the person is doing. */
   selected: null,
   adding: false,
