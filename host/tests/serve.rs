@@ -25,6 +25,20 @@ impl Drop for Server {
 /// How long something may take on a busy computer before a test gives it up.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+fn program(arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
+    // A browser is not to be opened on the computer of whoever runs the tests.
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WMR_PORT");
+    command.args(arguments).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
+}
+
+/// What a program says first.
+fn first_line(process: &mut Child) -> String {
+    let mut line = String::new();
+    BufReader::new(process.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    line
+}
+
 impl Server {
     fn start() -> Self {
         Self::start_at("20")
@@ -32,22 +46,12 @@ impl Server {
 
     /// The same with a robot `speed` times as fast as the clock.
     fn start_at(speed: &str) -> Self {
-        let mut process = Command::new(env!("CARGO_BIN_EXE_wmr"))
-            .args([
-                "serve",
-                "--addr",
-                "127.0.0.1:0",
-                "--no-open",
-                "--port",
-                "sim",
-                "--sim-speed",
-                speed,
-            ])
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(process.stderr.take().unwrap()).read_line(&mut line).unwrap();
+        Self::start_with(&["serve", "--addr", "127.0.0.1:0", "--no-open", "--sim-speed", speed])
+    }
+
+    fn start_with(arguments: &[&str]) -> Self {
+        let mut process = program(arguments);
+        let line = first_line(&mut process);
         let (_, rest) = line.split_once("http://").unwrap();
         let (host, rest) = rest.split_once("/?t=").unwrap();
         let token = rest.split_whitespace().next().unwrap();
@@ -399,6 +403,53 @@ fn two_jogs_lead_where_they_should() {
         "{pose}"
     );
     assert!((number(2) - 0.3).abs() < 0.03, "{pose}");
+}
+
+/// The same on a robot in a process of its own, behind a socket, as a real one is behind a port.
+#[test]
+fn a_robot_behind_a_port_drives_and_stops_and_its_loss_is_said() {
+    let mut robot = program(&["sim", "--tcp", "127.0.0.1:0"]);
+    let line = first_line(&mut robot);
+    let port = line.split_whitespace().find(|word| word.starts_with("tcp://")).unwrap();
+    let port = port.trim_end_matches(';');
+    let server =
+        Server::start_with(&["serve", "--addr", "127.0.0.1:0", "--no-open", "--port", port]);
+    server.when("connected", |state| state["base"]["connected"] == true);
+    let scene =
+        json!({"format": "wmr-scene/2", "arena": {"width": 3, "height": 1}, "obstacles": []});
+    let wish = json!({"scene": scene, "start": [0.3, 0.5, 0], "goal": [0.8, 0.5]});
+    server.done("plan", &wish);
+    server.done("drive", &json!({}));
+    let state = server.when("at rest", is_at_rest);
+    assert_eq!(state["run"]["report"]["reached"], true, "{}", state["run"]);
+    assert_eq!(state["run"]["report"]["true_pose"], Value::Null, "nobody knows it");
+
+    server.done("plan", &json!({"start": [0.8, 0.5, 0], "goal": [2.8, 0.5]}));
+    server.done("drive", &json!({}));
+    server.when("driving", |state| state["base"]["state"] == "driving");
+    server.done("stop", &json!({}));
+    let state = server.when("stopped", is_at_rest);
+    assert_eq!(state["run"]["error"]["code"], "robot.stopped");
+    assert!(state["base"]["pose"][0].as_f64().unwrap() < 2.5, "{}", state["base"]);
+
+    robot.kill().unwrap();
+    robot.wait().unwrap();
+    let state = server.when("lost", |state| state["base"]["connected"] == false);
+    assert!(state["base"]["problem"]["help"].is_string(), "{}", state["base"]);
+}
+
+#[test]
+fn the_demo_opens_its_photo_and_programs_are_told_where_the_page_is() {
+    let server = Server::start_with(&["demo", "--page"]);
+    assert_eq!(server.state()["photo"], json!({"width": 640, "height": 480, "type": "image/png"}));
+    let mut process = program(&["serve", "--addr", "127.0.0.1:0", "--no-open", "--json"]);
+    let mut line = String::new();
+    BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    process.kill().unwrap();
+    process.wait().unwrap();
+    let document: Value = serde_json::from_str(&line).unwrap();
+    let token = document["token"].as_str().unwrap();
+    assert!(document["address"].as_str().unwrap().ends_with(token) && token.len() == 32, "{line}");
 }
 
 /// Bytes that are no web socket frames, frames of every kind, and a message larger than any: the socket ends,

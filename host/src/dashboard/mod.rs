@@ -32,6 +32,7 @@ use jobs::Jobs;
 use live::{Controls, Live};
 use robot::{Order, RobotSettings};
 use security::{Guard, Token};
+use serde_json::json;
 use std::net::SocketAddr;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -92,7 +93,7 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
     if settings.sample {
         lock(&dashboard.desk).take_sample()?;
     }
-    announce(settings, address, &dashboard.guard, output);
+    announce(settings, address, &dashboard.guard, output)?;
     runtime.block_on(async {
         tokio::spawn(status::keep(dashboard.clone()));
         let server = axum::serve(listener, router::router(dashboard.clone()));
@@ -104,13 +105,10 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
     dashboard.controls.end();
     // A thread that panicked has nothing more to say; its robot stops by itself.
     let _ = robot.join();
-    let error = CliError::new(
-        Exit::Interrupted,
-        "interrupted",
-        "the page is closed",
-        "wmr serve opens it again",
-    );
-    Err(error)
+    let help = "wmr serve opens it again";
+    let error = CliError::new(Exit::Interrupted, "interrupted", "the page is closed", help);
+    // What programs need was said when the page was opened.
+    Err(CliError { after_result: true, ..error })
 }
 
 /// All that requests share, and the thread that has the robot.
@@ -138,7 +136,12 @@ fn cannot_serve(address: &str, error: &std::io::Error) -> CliError {
 }
 
 /// Says where the page is, and opens it if that is wanted.
-fn announce(settings: &Settings, address: SocketAddr, guard: &Guard, output: Output) {
+fn announce(
+    settings: &Settings,
+    address: SocketAddr,
+    guard: &Guard,
+    output: Output,
+) -> Result<(), CliError> {
     let place = guard.page_address();
     output.say(&format!("wmr at {place}  (robot: {}; Ctrl-C ends it)", settings.port));
     if !address.ip().is_loopback() {
@@ -147,6 +150,11 @@ fn announce(settings: &Settings, address: SocketAddr, guard: &Guard, output: Out
     if settings.open {
         open_in_browser(&place);
     }
+    if output.json {
+        let document = json!({"address": place, "token": guard.token.text()});
+        return output.result(&document, "");
+    }
+    Ok(())
 }
 
 /// Asks the desktop to show the page; where there is none, the address is printed all the same.
