@@ -7,7 +7,7 @@ import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const program = `${root}target/debug/wmr`;
+const program = process.env.WMR_PROGRAM ?? `${root}target/debug/wmr`;
 const shots = `${root}target/page/`;
 mkdirSync(shots, { recursive: true });
 
@@ -43,7 +43,7 @@ export async function serve({ speed = 5, address = '127.0.0.1:0' } = {}) {
   });
   const { host, searchParams } = new URL(url);
   return {
-    url, host, token: searchParams.get('t'),
+    url, host, token: searchParams.get('t'), pid: child.pid,
     kill: async () => { child.kill('SIGKILL'); await ended; },
     stop: async () => { child.kill('SIGINT'); await ended; },
   };
