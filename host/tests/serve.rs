@@ -214,6 +214,19 @@ fn who_is_not_the_page_changes_nothing() {
 }
 
 #[test]
+fn beyond_this_computer_even_the_page_needs_the_token() {
+    let server = Server::start_with(&["serve", "--addr", "0.0.0.0:0", "--no-open"]);
+    let own = ("Host", server.host.as_str());
+    let get = |path: &str| server.raw(&format!("GET {path}"), &[own], b"").0;
+    let token = &server.token;
+    assert_eq!([get("/"), get("/api/state"), get("/?t=guess")], [401; 3]);
+    assert_eq!([get(&format!("/?t={token}")), get(&format!("/api/state?t={token}"))], [200; 2]);
+    assert_eq!(get("/page/app.js"), 200, "a module is no secret");
+    let other = [("Host", "robot.example")];
+    assert_eq!(server.raw(&format!("GET /?t={token}"), &other, b"").0, 403);
+}
+
+#[test]
 fn what_makes_no_sense_is_refused_with_a_reason() {
     let server = Server::start();
     let code = |(status, document): (u16, Value)| {

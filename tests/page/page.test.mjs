@@ -278,6 +278,34 @@ onPage('a camera takes the photo', async (page) => {
   assert.ok((await state(page)).photo.width >= 320);
 });
 
+onPage('the robot moves by hand while a button is held, and no longer', async (page) => {
+  await page.click('[data-step=drive]');
+  await page.click('#jog summary');
+  const button = await page.locator('[data-jog="0.03,0"]').boundingBox();
+  await page.mouse.move(button.x + 20, button.y + 20);
+  await page.mouse.down();
+  await until(page, () => window.wmr.state.base.pose[0] > 0.08);
+  await page.mouse.up();
+  await until(page, () => !window.wmr.state.drive.active && window.wmr.state.base.state === 'idle');
+  const [x] = (await state(page)).base.pose;
+  // A step that was asked for already is driven to its end.
+  await page.waitForTimeout(500);
+  assert.ok((await state(page)).base.pose[0] - x < 0.031, 'one step at most');
+});
+
+onPage('corrections can be had back after another look at the photo', async (page) => {
+  await openSample(page);
+  await page.click('#boxes li:first-child button');
+  await page.click('#erase-box');
+  await until(page, (count) => window.wmr.state.scene.obstacles.length === count - 1, SAMPLE.obstacles.length);
+  await page.click('[data-step=photo]');
+  await page.click('#recognise');
+  await until(page, (count) => window.wmr.state.scene?.obstacles.length === count && !window.wmr.state.working, SAMPLE.obstacles.length);
+  await page.waitForSelector('[data-panel=boxes]:not([hidden])');
+  await page.click('#undo');
+  await until(page, (count) => window.wmr.state.scene.obstacles.length === count - 1, SAMPLE.obstacles.length);
+});
+
 test('a program that is gone is veiled, and one that is back goes on', async () => {
   const page = await open(server);
   await openSample(page);

@@ -93,7 +93,7 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
     if settings.sample {
         lock(&dashboard.desk).take_sample()?;
     }
-    announce(settings, address, &dashboard.guard, output)?;
+    announce(settings, &dashboard.guard, output)?;
     runtime.block_on(async {
         tokio::spawn(status::keep(dashboard.clone()));
         let server = axum::serve(listener, router::router(dashboard.clone()));
@@ -136,16 +136,11 @@ fn cannot_serve(address: &str, error: &std::io::Error) -> CliError {
 }
 
 /// Says where the page is, and opens it if that is wanted.
-fn announce(
-    settings: &Settings,
-    address: SocketAddr,
-    guard: &Guard,
-    output: Output,
-) -> Result<(), CliError> {
+fn announce(settings: &Settings, guard: &Guard, output: Output) -> Result<(), CliError> {
     let place = guard.page_address();
     output.say(&format!("wmr at {place}  (robot: {}; Ctrl-C ends it)", settings.port));
-    if !address.ip().is_loopback() {
-        output.say("everybody in this network who knows that address can drive the robot");
+    if let Some(address) = guard.network_address() {
+        output.say(&format!("in this network: {address}  (who has it can drive the robot)"));
     }
     if settings.open {
         open_in_browser(&place);

@@ -19,7 +19,7 @@ use axum::http::{HeaderMap, HeaderName, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::Response;
 use std::hash::{BuildHasher, RandomState};
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, SocketAddr, UdpSocket};
 
 /// Where this server is and who may change something.
 #[derive(Clone, Debug)]
@@ -66,6 +66,19 @@ impl Guard {
             ip if ip.is_unspecified() => IpAddr::from([127, 0, 0, 1]),
             ip => ip,
         };
+        self.address_at(ip)
+    }
+
+    /// Where others in the network find it, if they can.
+    pub(super) fn network_address(&self) -> Option<String> {
+        match self.address.ip() {
+            ip if ip.is_loopback() => None,
+            ip if ip.is_unspecified() => own_address().map(|ip| self.address_at(ip)),
+            ip => Some(self.address_at(ip)),
+        }
+    }
+
+    fn address_at(&self, ip: IpAddr) -> String {
         let place = SocketAddr::new(ip, self.address.port());
         format!("http://{place}/?t={}", self.token.text())
     }
@@ -146,6 +159,16 @@ impl Guard {
     }
 }
 
+/// This computer's address in its network: the one from which it would speak to another. To connect a
+/// datagram socket sends nothing.
+fn own_address() -> Option<IpAddr> {
+    let socket = UdpSocket::bind("0.0.0.0:0").ok()?;
+    // An address that is reserved for documents.
+    socket.connect("192.0.2.1:9").ok()?;
+    let ip = socket.local_addr().ok()?.ip();
+    (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
+}
+
 fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     headers.get(name).and_then(|value| value.to_str().ok())
 }
@@ -209,6 +232,17 @@ mod tests {
         let open = guard("0.0.0.0:80");
         assert!(open.is_own_host("192.168.1.2") && open.is_own_host("[::1]"));
         assert!(!open.is_own_host("robot.example"), "a name can be made to point here");
+    }
+
+    #[test]
+    fn the_page_is_where_it_is_said_to_be() {
+        let own = guard("127.0.0.1:7070");
+        assert_eq!(own.page_address(), "http://127.0.0.1:7070/?t=secret");
+        assert_eq!(own.network_address(), None);
+        let one = guard("192.168.1.2:80");
+        assert_eq!(one.network_address().as_deref(), Some("http://192.168.1.2:80/?t=secret"));
+        assert_eq!(guard("0.0.0.0:80").page_address(), "http://127.0.0.1:80/?t=secret");
+        assert_eq!(guard("[::1]:80").page_address(), "http://[::1]:80/?t=secret");
     }
 
     #[test]

@@ -117,9 +117,10 @@ export async function restore(corners) {
 /** Looks at the photo, in an arena of that size. */
 export async function recognise() {
   const done = await working('Looking at the photo …', 'photo', async () => {
+    // What a person has corrected can be had back.
+    if (state.undo.length) rememberScene();
     await post('detect', { arena: state.arena, robot_radius: state.radius });
     await refresh();
-    state.undo = [];
     return true;
   });
   if (done) {
@@ -229,7 +230,17 @@ export async function drive() {
 
 export const pause = () => working('', 'drive', () => post('pause'));
 export const resume = () => working('', 'drive', () => post('resume'));
-export const jog = (step) => working('', 'drive', () => post('jog', step));
+
+/** Moves the robot a little; while it still moves, nothing. */
+export async function jog(step) {
+  state.problem.drive = null;
+  try {
+    await post('jog', step);
+  } catch (error) {
+    if (error.code !== 'robot.busy') state.problem.drive = error;
+  }
+  changed();
+}
 
 /** Stops the robot; tries again and again until the server has heard. */
 export async function stop() {

@@ -22,11 +22,14 @@ async function whileHeld(step) {
 for (const button of document.querySelectorAll('[data-jog]')) {
   const [distance, turn] = button.dataset.jog.split(',').map(Number);
   const step = distance ? { distance } : { turn };
-  button.addEventListener('pointerdown', () => whileHeld(step));
+  button.addEventListener('pointerdown', (event) => {
+    button.setPointerCapture(event.pointerId);
+    whileHeld(step);
+  });
   button.addEventListener('keydown', (event) => {
     if ((event.key === 'Enter' || event.key === ' ') && held !== step) whileHeld(step);
   });
-  for (const name of ['pointerup', 'pointerleave', 'pointercancel', 'keyup', 'blur']) button.addEventListener(name, () => { held = null; });
+  for (const name of ['pointerup', 'pointercancel', 'lostpointercapture', 'keyup', 'blur']) button.addEventListener(name, () => { held = null; });
 }
 addEventListener('blur', () => { held = null; });
 
@@ -56,8 +59,10 @@ onChange(() => {
   find('drive').textContent = run?.report && !active ? 'Drive again' : 'Drive';
   find('pause').disabled = !active;
   find('pause').textContent = status?.pause_wanted ? 'Resume' : 'Pause';
-  find('progress').hidden = !active;
-  if (active) {
+  // A jog has no way that one could follow, and what is shown for it would push the buttons away.
+  const follows = active && held === null;
+  find('progress').hidden = !follows;
+  if (follows) {
     const legs = Math.max(status.legs, 1);
     const bar = find('progress-bar');
     bar.setAttribute('aria-valuemax', legs);
@@ -70,7 +75,7 @@ onChange(() => {
   }
   const error = state.problem.drive ?? (active ? null : run?.error);
   showProblem(find('drive-problem'), error);
-  if (run && shownRun !== run.revision) {
+  if (run && shownRun !== run.revision && held === null) {
     shownRun = run.revision;
     const shown = report(run);
     find('report').hidden = !shown;
