@@ -55,6 +55,8 @@ onPage('the sample is outlined as it was drawn, planned and driven, in four clic
   await shot(page, '3-plan');
   await page.click('#drive-now');
   await until(page, () => window.wmr.state.drive.leg >= 4);
+  const [trail, path] = await Promise.all(['.trail', '#path'].map((name) => page.locator(name).evaluate(({ points: [{ x, y }] }) => [x, y])));
+  assert.ok(Math.hypot(trail[0] - path[0], trail[1] - path[1]) < 3, 'the trail begins where the path does');
   await shot(page, '4-drive');
   await readmeShot(page);
   await page.waitForSelector('#result');

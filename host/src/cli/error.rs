@@ -278,6 +278,16 @@ mod tests {
     }
 
     #[test]
+    fn programs_get_the_numbers_of_a_gap() {
+        let between = [Side::Obstacle(2), Side::Border];
+        let gap = wmr::plan::Gap { width: 0.11, need: 0.15, between };
+        let document = CliError::from(PlanError::NoPath { gap: Some(gap) }).json();
+        let gap = json!({"width": 0.11, "need": 0.15, "between": [2, null]});
+        assert_eq!(document["error"]["gap"], gap);
+        assert_eq!(document["error"]["code"], "plan.no_path");
+    }
+
+    #[test]
     fn advice_stands_after_the_semicolon() {
         let error = CliError::from(PlanError::NoPath { gap: None });
         assert_eq!(error.exit, Exit::NoPath);

@@ -39,7 +39,7 @@ function report(run) {
   const ended = run.error ? null : done.reached;
   const title = run.error ? 'Ended on the way' : ended ? 'Goal reached' : 'Ended beside the goal';
   const rows = [
-    ['From the goal', (done.error.position * 1000).toFixed(1), 'mm'], ['Heading off', degrees(done.error.heading).toFixed(1), '°'],
+    ['From goal', (done.error.position * 1000).toFixed(1), 'mm'], ['Heading off', degrees(done.error.heading).toFixed(1), '°'],
     ['Time', done.duration.toFixed(1), 's'], ['Legs', String(done.legs.length)],
   ];
   if (done.collisions !== undefined) {

@@ -172,7 +172,7 @@ function gap() {
 
 function way() {
   const list = state.plan?.waypoints;
-  const driven = trail.points.length > 1 && state.step === 'drive' ? line(trail.points, { class: 'trail' }) : null;
+  const driven = trail.points.length > 1 && state.step === 'drive' ? line(trail.points.map(addOrigin), { class: 'trail' }) : null;
   if (!list) return [driven];
   const old = state.run?.report && state.step === 'drive' ? ' old' : '';
   const stops = list.slice(1, -1).map((at) => {
@@ -199,7 +199,8 @@ function nose([x, y, heading]) {
 }
 
 function robot() {
-  const live = state.step === 'drive' && trail.points.length > 0 && state.base?.pose;
+  // The robot knows nothing of a map's frame.
+  const live = state.step === 'drive' && trail.points.length > 0 && state.base?.pose && [...addOrigin(state.base.pose), state.base.pose[2]];
   const pose = live || state.start;
   if (!pose) return [];
   const body = polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: `robot-body${live ? ' live' : ''}`, id: 'robot' });
@@ -218,15 +219,17 @@ function robot() {
 
 /** Takes in where the robot is now. */
 export function followRobot() {
-  const run = state.run;
-  if (run && trail.run !== run.revision && (run.active || run.trail.length)) {
-    trail = { run: run.revision, points: [...run.trail] };
-  }
-  const pose = state.base?.pose;
-  if (state.drive?.active && pose) {
-    const last = trail.points.at(-1);
-    if (!last || Math.hypot(last[0] - pose[0], last[1] - pose[1]) > 0.002) trail.points.push([pose[0], pose[1]]);
-  }
+  const { run, drive, base } = state;
+  if (!drive) return;
+  if (drive.active && trail.run !== drive.revision) trail = { run: drive.revision, points: [] };
+  // The server knows all of it: for a page that was opened later, and at the end.
+  const isNewer = trail.run !== run?.revision || run.trail.length > trail.points.length;
+  if (run?.revision === drive.revision && isNewer) trail = { run: run.revision, points: [...run.trail] };
+  // Before it has the plan, the robot does not know where it stands.
+  if (!drive.active || !['driving', 'paused'].includes(base?.state)) return;
+  const [x, y] = base.pose;
+  const last = trail.points.at(-1);
+  if (!last || Math.hypot(last[0] - x, last[1] - y) > 0.002) trail.points.push([x, y]);
 }
 
 onChange(draw, shownState);
