@@ -8,7 +8,7 @@
 //! before, on what is built; "repeated" one that was. Ours is the whole library call: growing, search,
 //! safety test and clearance. The peers get the grown boxes as a gift and only search.
 //!
-//! Instead of files: `growth` prints the build time of random arenas from 100 to 100 000 boxes,
+//! Instead of files: `shapes` measures random polygons, `growth` prints the build time of random arenas from 100 to 100 000 boxes,
 //! `paper ARENA.json...` how far from the shortest way the paper's modes end, `rows MAP ROWS...` every
 //! row of Moving AI scenarios against its length.
 
@@ -17,6 +17,7 @@ mod memory;
 mod paper;
 mod peers;
 mod rows;
+mod shapes;
 mod slabs;
 
 use wmr::plan::{PlanOptions, PreparedArena};
@@ -36,6 +37,7 @@ fn main() {
     let files: Vec<String> = std::env::args().skip(1).collect();
     match files.first().map(String::as_str) {
         Some("growth") => return growth::print(),
+        Some("shapes") => return shapes::print(),
         Some("paper") => return paper::print(&files[1..]),
         Some("rows") => {
             return files[1..].chunks(2).for_each(|pair| rows::print(&pair[0], &pair[1]));

@@ -1,7 +1,7 @@
 //! The crates that the planner is measured against.
 
 use crate::Measured;
-use wmr::geometry::Rect;
+use wmr::geometry::{Point, Rect};
 use wmr::scene::Scene;
 use polyanya::{Mesh, Triangulation};
 
@@ -34,6 +34,20 @@ impl Crate {
         };
         let mut triangulation = Triangulation::from_outer_edges(&corners(&inside));
         triangulation.add_obstacles(boxes.iter().map(|b| corners(b).to_vec()));
+        let mut mesh = triangulation.as_navmesh();
+        if merge {
+            while mesh.merge_polygons() {}
+        }
+        mesh.bake();
+        Self(mesh)
+    }
+
+    /// A mesh of the floor in `inside` around these outlines.
+    pub fn around(inside: &Rect, outlines: &[Vec<Point>], merge: bool) -> Self {
+        let vertices =
+            |points: &[Point]| points.iter().map(|p| polyanya_vec(p.x, p.y)).collect::<Vec<_>>();
+        let mut triangulation = Triangulation::from_outer_edges(&vertices(&inside.corners()));
+        triangulation.add_obstacles(outlines.iter().map(|outline| vertices(outline)));
         let mut mesh = triangulation.as_navmesh();
         if merge {
             while mesh.merge_polygons() {}
