@@ -1,13 +1,12 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
 use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
-use super::drive::{arrived, describe_run, drive_way};
+use super::drive::{drive_way, keep, tell};
 use super::error::CliError;
 use super::folder::Folder;
 use super::input::{self, Input, Sight};
 use super::mission::Resume;
 use super::output::Output;
-use super::run::Driven;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
 use wmr::geometry::{Arena, Point};
@@ -52,11 +51,11 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
     let folder = Folder::begin(&args.out, &input, &way)?;
-    let Driven { run, error } =
-        drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
-    folder.run(&input, &way, &run)?;
-    error.map_or(Ok(()), Err)?;
-    output.result(&run.document(), &describe_run(&run))?;
-    output.say(&format!("pictures and log: {}", args.out.display()));
-    arrived(&run)
+    let driven = drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
+    let outcome = tell(&driven, output);
+    keep(outcome, output, || {
+        folder.run(&input, &way, &driven.run)?;
+        output.say(&format!("pictures and log: {}", args.out.display()));
+        Ok(())
+    })
 }

@@ -28,13 +28,35 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
     let way = way::find(&input, asked, MarginRule::ForDriving, output)?;
     let resume = if args.resume { Resume::Wanted } else { Resume::Offered };
     let folder = args.log.as_deref().map(|path| Folder::begin(path, &input, &way)).transpose()?;
-    let Driven { run, error } = drive_way(&way, asked, &args.port, args.sim_seed, resume, output)?;
-    if let Some(folder) = folder {
-        folder.run(&input, &way, &run)?;
+    let driven = drive_way(&way, asked, &args.port, args.sim_seed, resume, output)?;
+    let outcome = tell(&driven, output);
+    keep(outcome, output, || folder.map_or(Ok(()), |folder| folder.run(&input, &way, &driven.run)))
+}
+
+/// Prints what became of a drive; an error unless it reached its goal.
+pub(crate) fn tell(driven: &Driven, output: Output) -> Result<(), CliError> {
+    let Driven { run, error } = driven;
+    if let Some(error) = error {
+        return Err(error.clone());
     }
-    error.map_or(Ok(()), Err)?;
-    output.result(&run.document(), &describe_run(&run))?;
-    arrived(&run)
+    output.result(&run.document(), &describe_run(run))?;
+    arrived(run)
+}
+
+/// Writes a drive down once its `outcome` is told: that comes first, and survives a full disk.
+pub(crate) fn keep(
+    outcome: Result<(), CliError>,
+    output: Output,
+    write: impl FnOnce() -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    match (outcome, write()) {
+        (Ok(()), Err(error)) => Err(CliError { after_result: true, ..error }),
+        (Err(error), Err(unwritten)) => {
+            output.say(&format!("{}; the log is not whole", unwritten.message));
+            Err(error)
+        }
+        (outcome, Ok(())) => outcome,
+    }
 }
 
 /// Drives a way on the port of that name.
@@ -63,7 +85,7 @@ pub(crate) fn drive_way(
 }
 
 /// An error if the robot says that it is done, but is not where it should be; for after the result.
-pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
+fn arrived(run: &Run) -> Result<(), CliError> {
     if run.reached() {
         return Ok(());
     }
@@ -79,7 +101,7 @@ pub(crate) fn arrived(run: &Run) -> Result<(), CliError> {
 }
 
 /// A run, for people.
-pub(crate) fn describe_run(run: &Run) -> String {
+fn describe_run(run: &Run) -> String {
     let (position, heading) = run.error();
     let known = if run.truth.is_some() { "true" } else { "measured" };
     let mut text = format!(

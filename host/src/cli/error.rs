@@ -171,6 +171,14 @@ impl From<LinkError> for CliError {
             LinkError::Version { .. } => {
                 ("link.version", "flash the firmware that belongs to this program")
             }
+            LinkError::NoAnswer(_) | LinkError::NoTelemetry(_) => (
+                "link.no_answer",
+                "unplug the robot and plug it in again; if that does not help, flash its firmware anew",
+            ),
+            LinkError::ClockStopped(_) => (
+                "link.clock_stopped",
+                "something repeats old words; unplug the robot and plug it in again",
+            ),
             LinkError::Restarted(_) => {
                 ("link.restarted", "check its battery, put it at the start, and drive again")
             }
@@ -213,6 +221,36 @@ impl From<MissionError> for CliError {
                 "robot.fault",
                 error,
                 "free the robot, put it at the start, and drive again",
+            ),
+            MissionError::BatteryEmpty { .. } => Self::new(
+                Exit::Robot,
+                "robot.battery",
+                error,
+                "charge it or change the cells; wmr params shows battery-stop, the voltage that counts as empty",
+            ),
+            MissionError::NotDriving { .. } | MissionError::NeverRests(_) => Self::new(
+                Exit::Robot,
+                "robot.not_driving",
+                error,
+                "look at the robot; wmr stop and then wmr drive begin anew",
+            ),
+            MissionError::Late { .. } => Self::new(
+                Exit::Link,
+                "robot.late",
+                error,
+                "look for wheels that slip or drag and for a weak battery; drive more slowly with wmr params speed=0.2",
+            ),
+            MissionError::Disagrees { .. } | MissionError::Impossible(_) => Self::new(
+                Exit::Robot,
+                "robot.contradiction",
+                error,
+                "look where the robot really stands before you drive again; flash its firmware anew if this repeats",
+            ),
+            MissionError::Unfit(_) => Self::new(
+                Exit::Robot,
+                "robot.unfit",
+                error,
+                "nothing has moved; set its numbers with wmr params, or flash its firmware anew",
             ),
             MissionError::Cancelled { .. } => {
                 Self::new(Exit::Robot, "robot.cancelled", error, "drive the rest with another plan")

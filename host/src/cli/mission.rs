@@ -9,9 +9,9 @@ use protocol::message::{RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
 use std::sync::atomic::{AtomicBool, Ordering};
 use wmr::geometry::Pose;
-use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, wait_for};
-use wmr::link::mission::{Mission, MissionEvent};
-use wmr::link::{self, LinkClient, LinkError};
+use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, STOP_TIMEOUT, wait_for};
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::{self, LinkClient, LinkError, check_robot};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -49,6 +49,8 @@ pub(crate) fn drive(
     let nonce = endpoint.nonce();
     let mut client = LinkClient::new(endpoint, nonce);
     let robot = connect(&mut client)?;
+    client.check_protocol()?;
+    check_robot(&robot)?;
     let limits = robot.limits;
     let legs = legs(&limits);
     output.say(&format!("robot: {}; {}", describe_robot(&robot), count_of_legs(legs.len())));
@@ -128,15 +130,18 @@ fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliEr
     let rolls = |telemetry: &Telemetry| {
         telemetry.state == State::Idle && telemetry.wheels != WheelSpeeds::default()
     };
-    wait_for(
-        client,
-        || false,
-        |client, now| {
-            client.poll(now)?;
-            Ok::<_, LinkError>(client.telemetry().filter(|telemetry| !rolls(telemetry)).copied())
-        },
-    )?;
-    Ok(())
+    let give_up = client.heard() + STOP_TIMEOUT;
+    let rests = wait_for(client, interrupted, |client, now| {
+        client.poll(now)?;
+        if client.heard() > give_up {
+            return Err(match client.telemetry() {
+                Some(_) => MissionError::NeverRests(STOP_TIMEOUT),
+                None => LinkError::NoTelemetry(STOP_TIMEOUT).into(),
+            });
+        }
+        Ok(client.telemetry().filter(|telemetry| !rolls(telemetry)).copied())
+    })?;
+    rests.map(|_| ()).ok_or_else(|| interrupted_error("nothing has moved"))
 }
 
 /// Says hello until the robot answers; who it is.
@@ -156,9 +161,13 @@ impl From<DriveError> for CliError {
     fn from(error: DriveError) -> Self {
         match error {
             DriveError::Mission(error) => error.into(),
-            DriveError::Stopped | DriveError::StopUnconfirmed => {
-                interrupted_error(&error.to_string())
-            }
+            DriveError::Stopped => interrupted_error(&error.to_string()),
+            DriveError::StopUnconfirmed => Self::new(
+                Exit::Link,
+                "link.stop_unconfirmed",
+                error,
+                "look whether it stands; if it does not, pull its cable or switch off its battery",
+            ),
         }
     }
 }

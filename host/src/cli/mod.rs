@@ -5,6 +5,7 @@
 //! ```
 
 mod args;
+mod bug;
 mod calibrate;
 mod calibrate_camera;
 mod demo;
@@ -37,6 +38,15 @@ use std::process::ExitCode;
 
 /// Runs the command that the process was started with.
 pub(crate) fn run() -> ExitCode {
+    bug::guard(json_asked(), run_command)
+}
+
+/// Whether the words ask for a document, understood or not.
+fn json_asked() -> bool {
+    std::env::args_os().any(|word| word == "--json")
+}
+
+fn run_command() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return refuse(&error),
@@ -67,7 +77,7 @@ pub(crate) fn run() -> ExitCode {
 
 /// Says what is wrong with the words themselves; help and version are not wrong.
 fn refuse(error: &clap::Error) -> ExitCode {
-    let json = std::env::args().any(|word| word == "--json");
+    let json = json_asked();
     if json && !matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         let text = error.render().to_string();
         // The first paragraph says what is wrong, on several lines if it lists arguments.

@@ -12,6 +12,9 @@ use protocol::parameters::{FIELDS, ParameterRefusal, Parameters};
 use std::io::{Read, Write};
 use std::time::Duration;
 
+/// A robot that is heard answers within this long; a flash page takes 0.4 s at worst.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(3);
+
 /// What is asked of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request {
@@ -47,13 +50,14 @@ pub enum ParameterError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange {
     request: Request,
-    sent: bool,
+    /// For how long the robot had been heard when the request was sent.
+    sent: Option<Duration>,
 }
 
 impl Exchange {
     /// Begins `request`.
     pub fn new(request: Request) -> Self {
-        Self { request, sent: false }
+        Self { request, sent: None }
     }
 
     /// One step at `now`, to be called every few milliseconds: polls `client`; the answer once it is
@@ -72,7 +76,14 @@ impl Exchange {
         if let Some(answer) = answers.next() {
             return answer.map(Some).map_err(ParameterError::Refused);
         }
-        self.sent = self.sent || client.send(self.command());
+        let heard = client.heard();
+        match self.sent {
+            Some(sent) if heard.saturating_sub(sent) > ANSWER_TIMEOUT => {
+                return Err(LinkError::NoAnswer(ANSWER_TIMEOUT).into());
+            }
+            Some(_) => {}
+            None => self.sent = client.send(self.command()).then_some(heard),
+        }
         Ok(None)
     }
 
@@ -86,7 +97,7 @@ impl Exchange {
 
     fn answer(&self, report: &Report) -> Option<Result<Answer, ParameterRefusal>> {
         match (self.request, report) {
-            _ if !self.sent => None,
+            _ if self.sent.is_none() => None,
             (Request::Read | Request::Change(_), Report::Parameters(parameters)) => {
                 Some(Ok(Answer::Parameters(*parameters)))
             }

@@ -63,7 +63,8 @@ const BAUD: u32 = 115_200;
 /// A read waits this long for a first byte.
 const READ_TIMEOUT: Duration = Duration::from_millis(1);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
-const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+/// A write waits this long for a peer that does not read; the program's timers wait with it.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 
 /// An open way to a robot.
 #[derive(Debug)]
