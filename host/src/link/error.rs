@@ -174,7 +174,7 @@ pub enum Unfit {
     #[error("it has room for no leg at all")]
     NoRoom,
     /// A number of its limits is none, or far from any robot's.
-    #[error("its {name} is {value} {unit}, and must be from {least} to {most}")]
+    #[error("its {name} is {value:?} {unit}, and must be from {least} to {most}")]
     Limit {
         /// Which.
         name: &'static str,
