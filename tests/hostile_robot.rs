@@ -303,7 +303,9 @@ fn a_robot_that_no_plan_fits_is_refused() {
 
 #[test]
 fn an_end_without_its_legs_is_none() {
-    let after = |reports| end_of(Behaviour { reports, after: (State::Idle, 0.0), place_after: GOAL, ..TALKER });
+    let after = |reports| {
+        end_of(Behaviour { reports, after: (State::Idle, 0.0), place_after: GOAL, ..TALKER })
+    };
     let error = after(|plan| vec![Report::PlanDone { plan, end: 2, pose: GOAL }]);
     assert!(
         matches!(error, MissionError::Impossible(Impossible::End { end: 2, next: 0, of: 2 })),

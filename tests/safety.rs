@@ -128,17 +128,17 @@ fn a_camera_brings_a_misplaced_robot_to_its_goal() {
 fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
     let (result, _) = drive_and(|client| {
         assert!(speed(client) > 0.39);
-        client.port_mut().firmware_mut().set_battery(6.6);
+        client.port_mut().firmware_mut().set_battery(4.3);
         client.port_mut().wait(Duration::from_millis(100)).unwrap();
         hear(client);
         client.port_mut().wait(Duration::from_millis(250)).unwrap();
         assert!((speed(client) - 0.24).abs() < 0.01, "{}", speed(client));
-        client.port_mut().firmware_mut().set_battery(6.0);
+        client.port_mut().firmware_mut().set_battery(4.0);
     });
     let Err(MissionError::BatteryEmpty { volts: Some(volts) }) = result else {
         panic!("{result:?}")
     };
-    assert!((6.0..6.4).contains(&volts), "{volts} V");
+    assert!((4.0..4.2).contains(&volts), "{volts} V");
 }
 
 /// A robot that drives its two metres, from a plan sent by hand, so that every report can be seen.

@@ -1,7 +1,7 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
 use super::args::{CostName, DemoArgs, MethodName, PlannerName, TimingName, VisionArgs, WayArgs};
-use super::drive::{drive_way, keep, tell};
+use super::drive::{Begin, drive_way, keep, tell};
 use super::error::CliError;
 use super::folder::Folder;
 use super::input::{self, Input, Sight};
@@ -10,6 +10,7 @@ use super::output::Output;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
 use wmr::geometry::{Arena, Point};
+use wmr::link::standing::Tolerance;
 use wmr::scene::Goal;
 
 /// A ray-traced picture of an arena with eight boxes and the robot.
@@ -51,7 +52,9 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
     let folder = Folder::begin(&args.out, &input, &way)?;
-    let driven = drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
+    let tolerance = Some(Tolerance::SEEN);
+    let begin = Begin { tolerance, resume: Resume::Never, seed: SEED, error: None };
+    let driven = drive_way(&way, &way_args, &args.port, begin, output)?;
     let outcome = tell(&driven, output);
     keep(outcome, output, || {
         folder.run(&input, &way, &driven.run)?;

@@ -58,7 +58,7 @@ impl CliError {
     }
 
     /// An error of the library: its text says what, and after a semicolon what to do.
-    fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
+    pub(crate) fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
         let text = error.to_string();
         match text.split_once("; ") {
             Some((message, advice)) => Self::new(exit, code, message, advice),

@@ -5,12 +5,15 @@ use super::error::{CliError, Exit};
 use super::output::Output;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
-use protocol::message::{RobotHello, State, Telemetry};
+use protocol::message::{Identity, RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
 use std::sync::atomic::{AtomicBool, Ordering};
-use wmr::geometry::Pose;
+use wmr::geometry::{Point, Pose};
+use wmr::legs::from_wire;
 use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, STOP_TIMEOUT, wait_for};
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::parameters::{Answer, Exchange, ParameterError, Request};
+use wmr::link::standing::{self, Tolerance};
 use wmr::link::{self, LinkClient, LinkError, check_robot};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -37,10 +40,19 @@ pub(crate) enum Resume {
     Wanted,
 }
 
-/// Drives on `endpoint` the legs that `legs` makes for the robot's limits, beginning at `start`.
+/// Where a drive begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beginning {
+    /// By the plan.
+    pub(crate) start: Pose,
+    /// How far from there the robot may know itself to stand; `None` if it was carried there.
+    pub(crate) tolerance: Option<Tolerance>,
+}
+
+/// Drives on `endpoint` the legs that `legs` makes for the robot's limits, beginning at `beginning`.
 pub(crate) fn drive(
     endpoint: Box<dyn Endpoint>,
-    start: Pose,
+    beginning: Beginning,
     legs: impl Fn(&Limits) -> Vec<Leg>,
     resume: Resume,
     output: Output,
@@ -54,13 +66,17 @@ pub(crate) fn drive(
     let limits = robot.limits;
     let legs = legs(&limits);
     output.say(&format!("robot: {}; {}", describe_robot(&robot), count_of_legs(legs.len())));
-    let mut run = Run::new(legs.clone(), limits, start);
+    let mut run = Run::new(legs.clone(), limits, beginning.start);
     if run.legs.is_empty() {
         run.truth = client.port_mut().truth();
         return Ok(Driven { run, error: None });
     }
-    let memory =
-        if resume == Resume::Never { Memory::none() } else { Memory::of(&mut client, &legs) };
+    let identity = identify(&mut client, &legs)?;
+    let memory = if resume == Resume::Never {
+        Memory::none()
+    } else {
+        Memory::of(&mut client, &legs, identity)
+    };
     let mut mission = if resume == Resume::Wanted {
         client.check_protocol()?;
         wait_for_pose(&mut client)?;
@@ -68,12 +84,8 @@ pub(crate) fn drive(
         run.first = first;
         mission
     } else {
-        let wire_start = motion::Pose::new(
-            start.position.x as f32,
-            start.position.y as f32,
-            start.heading as f32,
-        );
-        Mission::new(legs, wire_start)
+        let start = begin(&mut client, identity, beginning)?;
+        Mission::new(legs, to_wire(start))
     };
     let result = follow(&mut client, &mut mission, &mut run, &memory, output);
     let begun = mission.has_begun();
@@ -90,6 +102,60 @@ pub(crate) fn drive(
     run.truth = client.port_mut().truth();
     run.link = client.statistics();
     Ok(Driven { run, error })
+}
+
+/// Which robot it is. One that still has the plan of `legs` is not asked, for it may be about to report the end
+/// of a leg; one that does not answer is nobody known.
+fn identify(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    legs: &[Leg],
+) -> Result<Identity, CliError> {
+    let plan = legs.first().map(|leg| leg.plan);
+    let driven = client.robot().and_then(|robot| robot.driven).map(|driven| driven.plan);
+    if driven.is_some() && driven == plan {
+        return Ok(Identity::default());
+    }
+    let mut exchange = Exchange::new(Request::Identify);
+    let answer = wait_for(client, interrupted, |client, now| match exchange.step(client, now) {
+        Err(ParameterError::Link(LinkError::NoAnswer(_))) => {
+            Ok(Some(Answer::Identity(Identity::default())))
+        }
+        result => result,
+    })?;
+    match answer {
+        Some(Answer::Identity(identity)) => Ok(identity),
+        _ => Err(interrupted_error("nothing has moved")),
+    }
+}
+
+/// Where the robot begins a plan: where it knows itself to stand, or else where the plan says.
+///
+/// # Errors
+/// If that is somewhere else than where the plan begins.
+fn begin(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    identity: Identity,
+    Beginning { start, tolerance }: Beginning,
+) -> Result<Pose, CliError> {
+    let Some(tolerance) = tolerance.filter(|_| identity.placed) else { return Ok(start) };
+    wait_for_pose(client)?;
+    let Some(telemetry) = client.telemetry() else { return Ok(start) };
+    let stands = from_wire(telemetry.pose);
+    standing::check(stands, start, tolerance).map_err(|error| {
+        let Pose { position: Point { x, y }, heading } = stands;
+        let help = format!(
+            "plan anew from where it stands, with --start {x:.3},{y:.3},{:.1}; or, if it was carried back to the plan's start, say --from-start",
+            heading.to_degrees()
+        );
+        CliError::new(Exit::Robot, "robot.elsewhere", error, help)
+    })?;
+    // A photo is newer than what the wheels have counted; a written start is not.
+    Ok(if tolerance == Tolerance::WRITTEN { stands } else { start })
+}
+
+/// A pose as the wire has it.
+fn to_wire(pose: Pose) -> motion::Pose {
+    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
 }
 
 /// Drives the mission to its end, and records how.

@@ -8,6 +8,7 @@ mod args;
 mod bug;
 mod calibrate;
 mod calibrate_camera;
+mod check;
 mod demo;
 mod detect;
 mod detect_pair;
@@ -29,7 +30,7 @@ mod run;
 mod sim;
 mod way;
 
-use args::{CalibrateCommand, Cli, Command};
+use args::{CalibrateCommand, CheckCommand, Cli, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
 use error::{CliError, Exit};
@@ -64,6 +65,7 @@ fn run_command() -> ExitCode {
         Command::Params(args) => params::run(args, output),
         Command::Calibrate(CalibrateCommand::Base(args)) => calibrate::base(args, output),
         Command::Calibrate(CalibrateCommand::Camera(args)) => calibrate_camera::run(args, output),
+        Command::Check(CheckCommand::Base(args)) => check::base(args, output),
         Command::Stop(args) => ports::stop(args, output),
     };
     match result {

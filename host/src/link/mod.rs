@@ -16,6 +16,7 @@ pub mod parameters;
 pub mod port;
 pub mod reopening;
 pub mod resume;
+pub mod standing;
 mod stop;
 mod usb;
 mod watch;

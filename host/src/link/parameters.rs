@@ -1,4 +1,5 @@
-//! A robot's numbers over the link: read them, change them, have them kept in its flash.
+//! Questions to a robot over the link: its numbers (read them, change them, have them kept in its flash),
+//! who it is, and what happens when one of its wheels is turned.
 //!
 //! ```text
 //! request ─► command ═link═ report ─► answer
@@ -7,7 +8,7 @@
 //! refuses as a whole, and nothing has changed then.
 
 use super::{LinkClient, LinkError};
-use protocol::message::{Command, Report};
+use protocol::message::{Command, Identity, Report, Wheel};
 use protocol::parameters::{FIELDS, ParameterRefusal, Parameters};
 use std::io::{Read, Write};
 use std::time::Duration;
@@ -24,6 +25,10 @@ pub enum Request {
     Change(Parameters),
     /// To keep its numbers when it loses power.
     Keep,
+    /// Which robot it is.
+    Identify,
+    /// To turn one wheel a little.
+    Turn(Wheel),
 }
 
 /// What the robot answers.
@@ -33,6 +38,10 @@ pub enum Answer {
     Parameters(Parameters),
     /// They are in its flash.
     Kept,
+    /// Which robot it is.
+    Identity(Identity),
+    /// A wheel has turned; how far each encoder went on.
+    Turned([i32; 2]),
 }
 
 /// Why there is no answer.
@@ -92,6 +101,8 @@ impl Exchange {
             Request::Read => Command::GetParameters,
             Request::Change(parameters) => Command::SetParameters(parameters),
             Request::Keep => Command::SaveParameters,
+            Request::Identify => Command::Identify,
+            Request::Turn(wheel) => Command::TurnWheel { wheel },
         }
     }
 
@@ -102,7 +113,14 @@ impl Exchange {
                 Some(Ok(Answer::Parameters(*parameters)))
             }
             (Request::Keep, Report::ParametersSaved { .. }) => Some(Ok(Answer::Kept)),
-            (_, Report::ParametersRefused(refusal)) => Some(Err(*refusal)),
+            (Request::Identify, Report::Identity(identity)) => {
+                Some(Ok(Answer::Identity(*identity)))
+            }
+            (Request::Turn(_), Report::WheelTurned { counts }) => Some(Ok(Answer::Turned(*counts))),
+            (
+                Request::Read | Request::Change(_) | Request::Keep,
+                Report::ParametersRefused(refusal),
+            ) => Some(Err(*refusal)),
             _ => None,
         }
     }

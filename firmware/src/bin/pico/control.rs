@@ -44,6 +44,7 @@ async fn main(threads: Spawner) {
         nonce: faults::boot_nonce(&mut parts.watchdog),
         board: BOARD,
         reset: faults::reset_cause(&mut parts.watchdog),
+        chip: parts.store.chip(),
     };
     log::started(boot.nonce);
 
@@ -52,9 +53,10 @@ async fn main(threads: Spawner) {
     interrupt::SWI_IRQ_1.set_priority(Priority::P1);
     interrupt::USBCTRL_IRQ.set_priority(Priority::P2);
     let interrupts = EXECUTOR.start(interrupt::SWI_IRQ_1);
-    if let (Ok(control), Ok(link)) =
-        (control(parts.base, parts.store, boot, parts.watchdog), link::link(parts.uart, parts.usb))
-    {
+    if let (Ok(control), Ok(link)) = (
+        control(parts.base, parts.store, boot, parts.watchdog),
+        link::link(parts.uart, parts.usb, boot.chip),
+    ) {
         interrupts.spawn(control);
         threads.spawn(link);
         parts.led.set_high();
@@ -75,7 +77,7 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
         base.tick.set_high();
         let missed_ticks = missed(due);
         due += TICK * (u32::from(missed_ticks) + 1);
-        let sensors = base.sense(missed_ticks);
+        let sensors = base.sense(missed_ticks, robot.battery_divider());
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
 
