@@ -86,7 +86,7 @@ fn beside(pose: Pose, error: Option<(f64, f64)>, seed: u64) -> Pose {
     let direction = std::f64::consts::TAU * (seed as f64 * 0.618_033_988_75).fract();
     let (sin, cos) = direction.sin_cos();
     let Point { x, y } = pose.position;
-    let turn = if seed % 2 == 0 { turn } else { -turn };
+    let turn = if seed.is_multiple_of(2) { turn } else { -turn };
     Pose::new(x + distance * cos, y + distance * sin, pose.heading + turn)
 }
 
