@@ -141,6 +141,28 @@ fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
     assert!((4.0..4.2).contains(&volts), "{volts} V");
 }
 
+/// The battery of the parts list, nearly empty: no plan is begun, and the reason is the battery's.
+#[test]
+fn an_empty_battery_is_named_with_its_voltage() {
+    let mut simulation = simulated_robot(START, 1);
+    simulation.firmware_mut().set_battery(4.1);
+    simulation.wait(Duration::from_secs(1)).unwrap();
+    let result = drive(simulation, two_metres(), START, 20, |_, _| {}).map(|(events, _)| events);
+    let Err(error @ MissionError::BatteryEmpty { .. }) = result else { panic!("{result:?}") };
+    assert_eq!(error.to_string(), "the battery is empty (4.1 V)");
+}
+
+/// Four NiMH cells from freshly charged to nearly empty drive.
+#[test]
+fn the_battery_of_the_parts_list_drives() {
+    for volts in [5.6, 4.8, 4.7] {
+        let mut simulation = simulated_robot(START, 1);
+        simulation.firmware_mut().set_battery(volts);
+        simulation.wait(Duration::from_secs(1)).unwrap();
+        assert!(drive(simulation, two_metres(), START, 60, |_, _| {}).is_ok(), "{volts} V");
+    }
+}
+
 /// A robot that drives its two metres, from a plan sent by hand, so that every report can be seen.
 fn driving() -> Client {
     let mut client = connected(Flash::default());

@@ -144,20 +144,54 @@ fn describe_run(run: &Run) -> String {
         heading.to_degrees()
     );
     if let Some(collision_log) = run.truth.and_then(|truth| truth.collision_log) {
-        text += &describe_collisions(collision_log);
+        let CollisionLog { collisions, min_clearance, .. } = collision_log;
+        text += &describe_collisions(collisions, min_clearance);
     }
     text
 }
 
 /// What a simulated robot touched, for people.
-pub(crate) fn describe_collisions(log: CollisionLog) -> String {
-    let times = match log.collisions {
+pub(crate) fn describe_collisions(collisions: u32, min_clearance: f64) -> String {
+    let times = match collisions {
         1 => "1 collision".to_owned(),
         other => format!("{other} collisions"),
     };
-    let gap = log.min_clearance * 1000.0;
+    let gap = min_clearance * 1000.0;
     if gap < 0.0 {
-        return format!("{times}; the robot overlapped a box or the border by {:.0} mm\n", -gap);
+        return format!(
+            "{times}; the robot overlapped an obstacle or the border by {:.0} mm\n",
+            -gap
+        );
     }
     format!("{times}; smallest gap beside the robot {gap:.0} mm\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn collisions_are_told_in_words() {
+        assert_eq!(
+            describe_collisions(0, 0.012),
+            "0 collisions; smallest gap beside the robot 12 mm\n"
+        );
+        assert_eq!(
+            describe_collisions(1, -0.17),
+            "1 collision; the robot overlapped an obstacle or the border by 170 mm\n"
+        );
+    }
+
+    #[test]
+    fn a_robot_beside_its_start_is_as_far_from_it_as_was_said() {
+        let start = Pose::new(0.5, 0.4, 1.0);
+        assert_eq!(beside(start, None, 3), start);
+        for seed in 0..9 {
+            let pose = beside(start, Some((0.02, 0.05)), seed);
+            assert!((pose.position.distance(start.position) - 0.02).abs() < 1e-12);
+            assert!(((pose.heading - start.heading).abs() - 0.05).abs() < 1e-12);
+        }
+        let [a, b] = [1, 2].map(|seed| beside(start, Some((0.02, 0.0)), seed));
+        assert!(a.position.distance(b.position) > 0.01, "to another side");
+    }
 }

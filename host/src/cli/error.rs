@@ -117,11 +117,9 @@ impl From<PortError> for CliError {
                 "port.missing",
                 "wmr ports lists what is there; without a robot: --port sim".to_owned(),
             ),
-            PortError::Busy { name } => (
+            PortError::Busy { .. } => (
                 "port.busy",
-                format!(
-                    "close the other program (a serial monitor? a second wmr?); fuser -v {name} names it"
-                ),
+                "close the other program (a serial monitor? a second wmr? press Ctrl-C there); to stop the robot at once pull its cable: it stops within 0.3 s of silence".to_owned(),
             ),
             PortError::Denied { .. } => {
                 ("port.denied", "sudo usermod -aG dialout $USER, then log out and in".to_owned())

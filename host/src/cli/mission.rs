@@ -5,6 +5,7 @@ use super::error::{CliError, Exit};
 use super::output::Output;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
+use super::stop_desk::StopDesk;
 use protocol::message::{Identity, RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,6 +14,7 @@ use wmr::legs::from_wire;
 use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, STOP_TIMEOUT, wait_for};
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
 use wmr::link::parameters::{Answer, Exchange, ParameterError, Request};
+use wmr::link::port::PortError;
 use wmr::link::standing::{self, Tolerance};
 use wmr::link::{self, LinkClient, LinkError, check_robot};
 
@@ -71,7 +73,7 @@ pub(crate) fn drive(
         run.truth = client.port_mut().truth();
         return Ok(Driven { run, error: None });
     }
-    let identity = identify(&mut client, &legs)?;
+    let identity = identify(&mut client)?;
     let memory = if resume == Resume::Never {
         Memory::none()
     } else {
@@ -87,7 +89,8 @@ pub(crate) fn drive(
         let start = begin(&mut client, identity, beginning)?;
         Mission::new(legs, to_wire(start))
     };
-    let result = follow(&mut client, &mut mission, &mut run, &memory, output);
+    let desk = client.port_mut().name().map(StopDesk::open);
+    let result = follow(&mut client, &mut mission, &mut run, (&memory, desk.as_ref()), output);
     let begun = mission.has_begun();
     if begun && result.is_err() {
         memory.note(mission.progress(), output);
@@ -104,17 +107,8 @@ pub(crate) fn drive(
     Ok(Driven { run, error })
 }
 
-/// Which robot it is. One that still has the plan of `legs` is not asked, for it may be about to report the end
-/// of a leg; one that does not answer is nobody known.
-fn identify(
-    client: &mut LinkClient<Box<dyn Endpoint>>,
-    legs: &[Leg],
-) -> Result<Identity, CliError> {
-    let plan = legs.first().map(|leg| leg.plan);
-    let driven = client.robot().and_then(|robot| robot.driven).map(|driven| driven.plan);
-    if driven.is_some() && driven == plan {
-        return Ok(Identity::default());
-    }
+/// Which robot it is; one that does not answer is nobody known.
+fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliError> {
     let mut exchange = Exchange::new(Request::Identify);
     let answer = wait_for(client, interrupted, |client, now| match exchange.step(client, now) {
         Err(ParameterError::Link(LinkError::NoAnswer(_))) => {
@@ -163,13 +157,15 @@ fn follow(
     client: &mut LinkClient<Box<dyn Endpoint>>,
     mission: &mut Mission,
     run: &mut Run,
-    memory: &Memory,
+    (memory, desk): (&Memory, Option<&StopDesk>),
     output: Output,
 ) -> Result<(), CliError> {
+    let asked = || desk.is_some_and(StopDesk::asked);
     let progress = output.progress(run.legs.len() as u64);
     progress.set_position(run.first.into());
     let mut clock = RunClock::default();
-    link::drive::drive(client, mission, interrupted, |event, mission| {
+    let stop = || interrupted() || asked();
+    let result = link::drive::drive(client, mission, stop, |event, mission| {
         match event {
         DriveEvent::PortLost => output.say(&format!(
             "the port is gone, so the robot stops and waits; plug it in again within {} s and it goes on",
@@ -186,9 +182,22 @@ fn follow(
             run.record(event, &mut clock);
         }
     }
-    })?;
+    });
     progress.finish_and_clear();
-    Ok(())
+    match result {
+        Ok(_) => Ok(()),
+        Err(DriveError::Stopped) if asked() => {
+            if let Some(desk) = desk {
+                desk.confirm();
+            }
+            Err(if interrupted() {
+                DriveError::Stopped.into()
+            } else {
+                MissionError::Stopped.into()
+            })
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Polls until the robot has said where it is; if it rolls on after a restart, where it comes to rest.
@@ -214,7 +223,11 @@ fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliEr
 pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<RobotHello, CliError> {
     let robot = wait_for(client, interrupted, |client, now| {
         client.poll(now)?;
-        Ok::<_, LinkError>(client.robot().copied())
+        if client.port_mut().is_turned_away() {
+            let name = client.port_mut().name().unwrap_or_default().to_owned();
+            return Err(PortError::Busy { name }.into());
+        }
+        Ok::<_, CliError>(client.robot().copied())
     })?;
     robot.ok_or_else(|| interrupted_error("nothing has moved"))
 }

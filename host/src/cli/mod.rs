@@ -28,6 +28,7 @@ mod queries;
 mod resume;
 mod run;
 mod sim;
+mod stop_desk;
 mod way;
 
 use args::{CalibrateCommand, CheckCommand, Cli, Command};

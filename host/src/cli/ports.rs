@@ -5,10 +5,11 @@ use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
 use super::error::CliError;
 use super::output::Output;
 use super::run;
-use super::{mission, params};
+use super::{mission, params, stop_desk};
 use hil_sim::base::TruePose;
 use serde_json::{Value, json};
 use wmr::legs;
+use wmr::link::drive::DriveError;
 use wmr::link::{self, LinkClient, port};
 
 /// `wmr ports`.
@@ -71,6 +72,15 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
 /// `wmr stop`.
 pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
     mission::catch_interrupts();
+    // Whoever drives it has its port.
+    match stop_desk::ask(&args.port) {
+        stop_desk::Answer::Nobody => {}
+        stop_desk::Answer::Stopped => {
+            let document = json!({"state": "stopped", "by": "the program that drove it"});
+            return output.result(&document, "stopped by the program that drove it");
+        }
+        stop_desk::Answer::Unconfirmed => return Err(DriveError::StopUnconfirmed.into()),
+    }
     let mut client = open_client(&args.port)?;
     mission::connect(&mut client)?;
     let stopped = link::drive::stop(&mut client, mission::interrupted)?;

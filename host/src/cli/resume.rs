@@ -83,7 +83,7 @@ impl Memory {
             0 => format!("{plan:08x}.json"),
             chip => format!("{plan:08x}-{chip:016x}.json"),
         };
-        let file = folder().map(|folder| folder.join(name));
+        let file = state_folder().map(|folder| folder.join(name));
         Self {
             file: file.filter(|_| client.port_mut().outlives_the_program()),
             plan,
@@ -222,7 +222,7 @@ fn cannot(code: &str, message: impl std::fmt::Display, help: &str) -> CliError {
 }
 
 /// Where programs keep what a user would not miss: after the XDG base directories, or as Windows has it.
-fn folder() -> Option<PathBuf> {
+pub(crate) fn state_folder() -> Option<PathBuf> {
     // The XDG rule: what is not absolute is passed over.
     let set = |name| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let home = || set("HOME").map(|home| home.join(".local").join("state"));

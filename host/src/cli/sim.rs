@@ -79,7 +79,7 @@ fn serve<B: Firmware>(
         if now > collisions {
             collisions = now;
             output.say(&format!(
-                "collision {now}: the robot overlaps a box or the border at {}",
+                "collision {now}: the robot overlaps an obstacle or the border at {}",
                 true_place(&truth)
             ));
         }
@@ -178,7 +178,8 @@ fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
     }
     let mut text = format!("the robot ended at {}", place(pose));
     if let Some(log) = truth.collision_log {
-        text += &format!("\n{}", super::drive::describe_collisions(log));
+        text +=
+            &format!("\n{}", super::drive::describe_collisions(log.collisions, log.min_clearance));
     }
     output.result(&document, &text)
 }

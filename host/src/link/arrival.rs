@@ -30,21 +30,22 @@ pub(super) struct Arrival {
 }
 
 impl Arrival {
-    /// Takes in that leg `leg` of `of` took `ticks`; false if that is known already.
+    /// Takes in that leg `leg` of `of` took `ticks`; false if that is known already. Of a plan that was
+    /// `taken_up`, ends may have been reported to the host before.
     ///
     /// # Errors
     /// [`Impossible::Leg`] if it is not the turn of that leg.
     pub(super) fn end_leg(
         &mut self,
         leg: u16,
-        next: u16,
-        of: usize,
+        (next, of): (u16, usize),
         ticks: u32,
+        taken_up: bool,
     ) -> Result<bool, Impossible> {
         if leg < next {
             return Ok(false);
         }
-        if leg > next || usize::from(leg) >= of {
+        if (leg > next && !taken_up) || usize::from(leg) >= of {
             return Err(Impossible::Leg { leg, next, of });
         }
         self.ticks += u64::from(ticks);
@@ -136,10 +137,14 @@ mod tests {
     #[test]
     fn legs_end_one_after_the_other() {
         let mut arrival = Arrival::default();
-        assert_eq!(arrival.end_leg(0, 0, 3, 400), Ok(true));
-        assert_eq!(arrival.end_leg(0, 1, 3, 400), Ok(false), "said again");
-        assert_eq!(arrival.end_leg(2, 1, 3, 400), Err(Impossible::Leg { leg: 2, next: 1, of: 3 }));
-        let last = arrival.end_leg(u16::MAX, u16::MAX, 3, 400);
+        assert_eq!(arrival.end_leg(0, (0, 3), 400, false), Ok(true));
+        assert_eq!(arrival.end_leg(0, (1, 3), 400, false), Ok(false), "said again");
+        assert_eq!(
+            arrival.end_leg(2, (1, 3), 400, false),
+            Err(Impossible::Leg { leg: 2, next: 1, of: 3 })
+        );
+        assert_eq!(arrival.end_leg(2, (1, 3), 400, true), Ok(true), "leg 1 was reported before");
+        let last = arrival.end_leg(u16::MAX, (u16::MAX, 3), 400, false);
         assert!(matches!(last, Err(Impossible::Leg { leg: u16::MAX, .. })), "{last:?}");
     }
 
@@ -148,8 +153,8 @@ mod tests {
         let at_end = seen(END, State::Idle, 0.0);
         for (ticks, possible) in [(2000, true), (2200, false), (u32::MAX, false)] {
             let mut arrival = Arrival::default();
-            arrival.end_leg(0, 0, 2, ticks).unwrap();
-            arrival.end_leg(1, 1, 2, 0).unwrap();
+            arrival.end_leg(0, (0, 2), ticks, false).unwrap();
+            arrival.end_leg(1, (1, 2), 0, false).unwrap();
             arrival.end_plan(END);
             assert_eq!(arrival.confirm(&at_end, Some(100)).is_ok(), possible, "{ticks}");
             assert!(arrival.confirm(&at_end, None).is_ok(), "begun before this mission");

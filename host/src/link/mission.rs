@@ -429,19 +429,21 @@ impl Mission {
             }
             Report::LegDone(result) if result.plan == self.plan => {
                 let (next, of) = (self.progress.next, self.legs.len());
-                let ended = self.arrival.end_leg(result.index, next, of, result.ticks);
+                let ended =
+                    self.arrival.end_leg(result.index, (next, of), result.ticks, self.knows_pose);
                 if !ended.map_err(MissionError::Impossible)? {
                     return Ok(None);
                 }
-                self.progress = Progress { next: next + 1, pose: result.pose };
+                self.progress = Progress { next: result.index + 1, pose: result.pose };
                 Ok(Some(MissionEvent::LegDone(result)))
             }
             Report::PlanDone { plan, end, pose } if plan == self.plan => {
                 let (next, of) = (self.progress.next, self.legs.len());
-                if end != next {
+                let passed = self.knows_pose && end > next && usize::from(end) <= of;
+                if end != next && !passed {
                     return Err(MissionError::Impossible(Impossible::End { end, next, of }));
                 }
-                self.progress.pose = pose;
+                self.progress = Progress { next: end, pose };
                 if end < self.accepted_end {
                     return Err(MissionError::Cancelled { legs: end });
                 }

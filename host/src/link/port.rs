@@ -93,7 +93,7 @@ pub fn open(name: &str) -> Result<Wire, PortError> {
 ///
 /// # Errors
 /// [`PortError::NotOne`] if `auto` may mean none or several.
-pub(super) fn resolve(name: &str) -> Result<String, PortError> {
+pub fn resolve(name: &str) -> Result<String, PortError> {
     if name != "auto" {
         return Ok(name.to_owned());
     }
