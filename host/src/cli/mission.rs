@@ -3,11 +3,13 @@
 use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
+use super::params;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
 use super::stop_desk::StopDesk;
-use protocol::message::{Identity, RobotHello, State, Telemetry};
+use protocol::message::{Board, Identity, RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
+use protocol::parameters::Wiring;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wmr::geometry::{Point, Pose};
 use wmr::legs::from_wire;
@@ -74,6 +76,7 @@ pub(crate) fn drive(
         return Ok(Driven { run, error: None });
     }
     let identity = identify(&mut client)?;
+    warn_of_wiring(&mut client, identity, output)?;
     let memory = if resume == Resume::Never {
         Memory::none()
     } else {
@@ -120,6 +123,25 @@ fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliE
         Some(Answer::Identity(identity)) => Ok(identity),
         _ => Err(interrupted_error("nothing has moved")),
     }
+}
+
+/// What the wheels' own counts cannot show is said before a board drives that nobody has checked.
+fn warn_of_wiring(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    identity: Identity,
+    output: Output,
+) -> Result<(), CliError> {
+    let rests = client.telemetry().is_some_and(|last| last.state == State::Idle);
+    if identity.chip == 0 || client.port_mut().truth().is_some() || !rests {
+        return Ok(());
+    }
+    let simulated = client.robot().is_some_and(|robot| robot.board == Board::Simulated);
+    if !simulated && !params::read(client)?.wiring.has(Wiring::CHECKED) {
+        output.say(
+            "nobody has checked how this robot's motors and encoders are connected; if it spins or turns away, stop it and run wmr check base",
+        );
+    }
+    Ok(())
 }
 
 /// Where the robot begins a plan: where it knows itself to stand, or else where the plan says.
