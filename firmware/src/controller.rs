@@ -187,8 +187,7 @@ impl Controller {
         self.rims = Rims::from(&parameters);
         // Other wiring makes other counts of the same inputs; the robot has not moved.
         self.counts = parameters.wiring.wheels(self.inputs);
-        self.odometry = Odometry::new(self.odometry.pose(), self.counts);
-        self.history.clear();
+        self.odometry.recount(self.counts);
         self.wheels = WheelPair::new(&parameters, self.counts);
         // Its legs were found drivable within the old limits.
         self.queue.forget_batch();

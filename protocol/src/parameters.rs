@@ -213,7 +213,7 @@ const fn field(name: &'static str, unit: &'static str, least: f32, most: f32) ->
 }
 
 /// The numbers in the order of [`Parameters::values`].
-pub const FIELDS: [Field; 25] = [
+pub static FIELDS: [Field; 25] = [
     field("wheel-radius", "m", 0.005, 0.5),
     field("wheel-ratio", "", 0.9, 1.1),
     field("track", "m", 0.02, 2.0),
@@ -368,7 +368,8 @@ impl Parameters {
     /// # Errors
     /// [`ParameterRefusal`] with the first that makes no sense.
     pub fn check(&self) -> Result<(), ParameterRefusal> {
-        for (place, (value, field)) in self.values().into_iter().zip(FIELDS).enumerate() {
+        // By reference: a copy of the table would lie on the robot's stack.
+        for (place, (value, field)) in self.values().into_iter().zip(&FIELDS).enumerate() {
             // NaN is in no range.
             if !(field.least..=field.most).contains(&value) {
                 return Err(ParameterRefusal::OutOfRange { field: place as u8, value });

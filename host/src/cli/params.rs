@@ -33,7 +33,7 @@ pub(crate) fn change(text: &str) -> Result<Change, String> {
 }
 
 fn place(name: &str) -> Result<usize, String> {
-    let names = || FIELDS.map(|field| field.name).join(", ");
+    let names = || FIELDS.each_ref().map(|field| field.name).join(", ");
     let found = FIELDS.iter().position(|field| field.name == name.trim());
     found.ok_or_else(|| format!("there is no {name:?}; there are {}", names()))
 }
