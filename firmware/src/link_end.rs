@@ -23,8 +23,8 @@ const RETIRED_HOSTS: usize = 8;
 
 /// Heartbeats and acknowledgements of a host that follows the rules take less than this in a tick.
 const LAWFUL_BYTES: u16 = 12;
-/// So much beyond that is a flood: 65 ms of a line of 115 200 baud that is always full.
-const FLOOD_BYTES: u16 = 600;
+/// So much beyond that is a flood: 100 ms of a line of 115 200 baud that is always full.
+const FLOOD_BYTES: u16 = 900;
 /// More is not remembered, so that a flood is over a second after its end.
 const MOST_IDLE_BYTES: u16 = 3000;
 
