@@ -38,7 +38,7 @@ leg = varint(plan) + b"\0" + pose + goal + b"\0\0\0"  # index 0; no heading, for
 commands = [b"\x0a\0",  # Clear; PlanBegin with first 0, count 1 and Start; PlanLeg; PlanCommit
             b"\x04" + varint(plan) + b"\0\1" + varint(crc32c(leg)) + b"\0" + pose,
             b"\x05" + leg, b"\x06" + varint(plan)]
-buffer, give_up, hello = b"", time.monotonic() + 30, b"\0\3" + varint(schema) + varint(nonce)
+buffer, give_up, hello = b"", time.monotonic() + 30, b"\0\4" + varint(schema) + varint(nonce)
 while time.monotonic() < give_up:
     send(b"\1" if session else hello)  # Heartbeat, or Hello
     for sequence in range(acked, len(commands) if session else 0):

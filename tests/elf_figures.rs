@@ -14,7 +14,8 @@ use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
 use wmr_tests::drive;
 use wmr_tests::elf_file::ElfFile;
 
-const FLASH_LIMIT: u32 = 64 * 1024;
+/// 64 KiB, and one more that buys `wmr check base`: a wheel that turns by itself, and wiring as parameters.
+const FLASH_LIMIT: u32 = 65 * 1024;
 /// Static memory and the most stack together.
 const RAM_LIMIT: u32 = 24 * 1024;
 /// Of 99.9 % of the ticks: a tenth of 5 ms at 125 MHz.

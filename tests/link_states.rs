@@ -8,7 +8,8 @@
 use hil_sim::wire::{Faults, FrameFault, Pace};
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
 use protocol::message::{
-    Board, Command, HostHello, PROTOCOL_VERSION, PlanRefusal, Reboot, Report, ResetCause, State,
+    BatteryLevel, Board, Command, HostHello, Identity, PROTOCOL_VERSION, PauseReason, PlanRefusal,
+    Reboot, Report, ResetCause, State,
 };
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::schema::SCHEMA_HASH;
@@ -145,7 +146,7 @@ struct ByHand {
 }
 
 const HOST: u32 = 5;
-const BOOT: Boot = Boot { nonce: 6, board: Board::Simulated, reset: ResetCause::PowerOn };
+const BOOT: Boot = Boot { nonce: 6, board: Board::Simulated, reset: ResetCause::PowerOn, chip: 1 };
 
 impl ByHand {
     fn new(hello: HostHello) -> Self {
@@ -235,4 +236,73 @@ fn a_hello_of_a_retired_host_opens_nothing() {
     let (reports, _) = host.listen(20);
     assert!(matches!(reports[..], [Report::Hello(hello), ..] if hello.host_nonce == 77));
     assert!(matches!(reports[0], Report::Hello(hello) if hello.driven.is_some()));
+}
+
+#[test]
+fn a_restart_is_not_kept_for_the_end_of_a_drive() {
+    let mut host = ByHand::new(hello());
+    start(&straight_legs(1, 1, 0.5)).for_each(|command| host.send(command));
+    host.listen(100);
+    host.send(Command::Reboot(Reboot::Application));
+    assert_eq!(host.listen(20).1, None);
+    host.say(None, Command::Stop { number: 1 });
+    assert_eq!(host.listen(1000).1, None, "its drive has ended");
+    host.send(Command::Reboot(Reboot::Application));
+    assert_eq!(host.listen(20).1, Some(Reboot::Application));
+}
+
+/// A line of 115 200 baud that is always full brings 57 bytes a tick.
+#[test]
+fn a_flood_stops_the_robot_before_a_stop_behind_it_arrives() {
+    for flood in [&[0_u8; 57] as &[u8], &[1; 57], &[2, 3, 255, 0, 9, 1, 77]] {
+        let mut host = ByHand::new(hello());
+        start(&straight_legs(1, 1, 2.0)).for_each(|command| host.send(command));
+        host.listen(20);
+        assert_eq!(host.robot.state(), State::Driving);
+        let mut ticks = 0;
+        while host.robot.state() == State::Driving {
+            // It lives, and so does the watch over silence.
+            host.say(None, Command::Heartbeat);
+            for piece in flood.iter().cycle().take(57).copied().collect::<Vec<_>>().chunks(7) {
+                host.robot.receive(Port::Usb, piece);
+            }
+            host.listen(5);
+            ticks += 1;
+            assert!(ticks < 20, "100 ms");
+        }
+        assert!(ticks > 5, "a burst is no flood");
+        assert_eq!(host.robot.state(), State::Paused(PauseReason::Silence));
+    }
+}
+
+#[test]
+fn a_robot_says_who_it_is_and_whether_it_was_told_where_it_stands() {
+    let mut host = ByHand::new(hello());
+    let identity = |placed| Report::Identity(Identity { chip: 1, placed });
+    host.send(Command::Identify);
+    assert!(host.listen(20).0.contains(&identity(false)));
+    start(&straight_legs(1, 1, 0.01)).for_each(|command| host.send(command));
+    host.listen(20);
+    host.say(None, Command::Stop { number: 1 });
+    host.send(Command::Identify);
+    assert!(host.listen(20).0.contains(&identity(true)), "a stop does not move it");
+}
+
+#[test]
+fn whoever_takes_a_robot_over_hears_of_its_empty_battery() {
+    let mut robot = Robot::new(Default::default(), BOOT);
+    for _ in 0..100 {
+        robot.tick(&Sensors { battery: Some(4.1), ..Sensors::default() });
+    }
+    let mut host = ByHand { robot, session: 0, sequence: 0 };
+    host.say(None, Command::Hello(hello()));
+    host.session = session_id(HOST, BOOT.nonce);
+    start(&straight_legs(1, 1, 0.5)).for_each(|command| host.send(command));
+    let (reports, _) = host.listen(50);
+    let said = reports.iter().position(|report| {
+        matches!(report, Report::Battery(battery) if battery.level == BatteryLevel::Empty && (battery.volts - 4.1).abs() < 0.01)
+    });
+    let refused = Report::PlanRefused { plan: 1, reason: PlanRefusal::NotCleared };
+    let refused = reports.iter().position(|report| *report == refused);
+    assert!(said.is_some() && said < refused, "{reports:?}");
 }

@@ -1,5 +1,5 @@
 //! What stops the robot over the link, what a camera changes, and what it keeps in its flash.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
 use hil_sim::base::{BaseParameters, Faults, TruePose, WheeledBase};
 use hil_sim::in_process::{Flash, InProcess};
@@ -128,14 +128,39 @@ fn a_camera_brings_a_misplaced_robot_to_its_goal() {
 fn a_sinking_battery_slows_the_robot_and_then_stops_it() {
     let (result, _) = drive_and(|client| {
         assert!(speed(client) > 0.39);
-        client.port_mut().firmware_mut().set_battery(6.6);
+        client.port_mut().firmware_mut().set_battery(4.3);
         client.port_mut().wait(Duration::from_millis(100)).unwrap();
         hear(client);
         client.port_mut().wait(Duration::from_millis(250)).unwrap();
         assert!((speed(client) - 0.24).abs() < 0.01, "{}", speed(client));
-        client.port_mut().firmware_mut().set_battery(6.0);
+        client.port_mut().firmware_mut().set_battery(4.0);
     });
-    assert!(matches!(result, Err(MissionError::Fault(Fault::Battery))), "{result:?}");
+    let Err(MissionError::BatteryEmpty { volts: Some(volts) }) = result else {
+        panic!("{result:?}")
+    };
+    assert!((4.0..4.2).contains(&volts), "{volts} V");
+}
+
+/// The battery of the parts list, nearly empty: no plan is begun, and the reason is the battery's.
+#[test]
+fn an_empty_battery_is_named_with_its_voltage() {
+    let mut simulation = simulated_robot(START, 1);
+    simulation.firmware_mut().set_battery(4.1);
+    simulation.wait(Duration::from_secs(1)).unwrap();
+    let result = drive(simulation, two_metres(), START, 20, |_, _| {}).map(|(events, _)| events);
+    let Err(error @ MissionError::BatteryEmpty { .. }) = result else { panic!("{result:?}") };
+    assert_eq!(error.to_string(), "the battery is empty (4.1 V)");
+}
+
+/// Four NiMH cells from freshly charged to nearly empty drive.
+#[test]
+fn the_battery_of_the_parts_list_drives() {
+    for volts in [5.6, 4.8, 4.7] {
+        let mut simulation = simulated_robot(START, 1);
+        simulation.firmware_mut().set_battery(volts);
+        simulation.wait(Duration::from_secs(1)).unwrap();
+        assert!(drive(simulation, two_metres(), START, 60, |_, _| {}).is_ok(), "{volts} V");
+    }
 }
 
 /// A robot that drives its two metres, from a plan sent by hand, so that every report can be seen.

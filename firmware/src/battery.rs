@@ -26,6 +26,12 @@ impl Battery {
         self.level
     }
 
+    /// The level and the voltage, where something is to be said of them.
+    pub(crate) fn report(&self) -> Option<BatteryReport> {
+        let (level, volts) = (self.level, self.filtered?);
+        (level > BatteryLevel::Good).then_some(BatteryReport { level, volts })
+    }
+
     /// Takes in this tick's measurement, volts; says so if the level has changed.
     pub(crate) fn update(&mut self, volts: f32, levels: &BatteryLevels) -> Option<BatteryReport> {
         let before = self.filtered.unwrap_or(volts);

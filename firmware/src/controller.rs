@@ -28,7 +28,7 @@ use crate::tracker;
 use crate::wheel_pair::WheelPair;
 use protocol::message::{
     BatteryLevel, BatteryReport, Driven, Fault, PauseReason, Placement, PlanHeader, PlanRefusal,
-    PoseRefusal, State,
+    PoseRefusal, State, Wheel,
 };
 use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
 use protocol::parameters::ParameterRefusal;
@@ -41,6 +41,13 @@ const SETTLE_TICKS: u32 = 60;
 /// The pace at which a weak battery drives: the motors then need well under its voltage.
 const DERATED_PACE: f32 = 0.6;
 
+/// A wheel is turned with this duty to see how it is wired: enough for any motor that can drive a robot,
+/// too little to throw one off its block.
+const PROBE_DUTY: f32 = 0.35;
+/// And for at most so long, 1 s, of which in the end it coasts for 0.2 s so that the counts are final.
+const PROBE_TICKS: u16 = 240;
+const PROBE_REST_TICKS: u16 = 40;
+
 /// Control periods that may be missed on end; in 20 ms a robot at 0.4 m/s goes 8 mm unwatched.
 const LATEST_TICKS: u8 = 3;
 
@@ -48,6 +55,12 @@ const LATEST_TICKS: u8 = 3;
 enum Activity {
     Resting,
     Leg(LegRunner),
+    /// Turns one wheel without a loop, for so many more ticks, from where the encoders stood at `from`.
+    Probing {
+        wheel: Wheel,
+        from: [i32; 2],
+        ticks: u16,
+    },
     /// Holds `goal`, then rests; `ended` is the plan that it completes, if none broke it off.
     Settling {
         goal: Pose,
@@ -68,11 +81,14 @@ pub struct Controller {
     odometry: Odometry,
     history: PoseHistory,
     gate: PoseGate,
+    /// What the encoders' inputs count, and what that means for the left and the right wheel.
+    inputs: [i32; 2],
     counts: [i32; 2],
     wheels: WheelPair,
     battery: Battery,
     progress: Progress,
     leg: u16,
+    placed: bool,
 }
 
 impl Controller {
@@ -89,12 +105,34 @@ impl Controller {
             odometry: Odometry::new(Pose::default(), counts),
             history: PoseHistory::default(),
             gate: PoseGate::UNKNOWN,
+            inputs: counts,
             counts,
             wheels: WheelPair::new(&parameters, counts),
             battery: Battery::default(),
             progress: Progress::new(Pose::default()),
             leg: 0,
+            placed: false,
         }
+    }
+
+    /// Whether the robot was told where it stands, so that its pose is one in the arena.
+    pub fn is_placed(&self) -> bool {
+        self.placed
+    }
+
+    /// What the battery means now, if it is not good.
+    pub fn battery(&self) -> Option<BatteryReport> {
+        self.battery.report()
+    }
+
+    /// Turns one wheel forward by a quarter turn at most, to see how it is wired; false if the robot is
+    /// not idle at rest.
+    pub fn turn_wheel(&mut self, wheel: Wheel) -> bool {
+        let idle = self.state == State::Idle && self.is_at_rest();
+        if idle {
+            self.activity = Activity::Probing { wheel, from: self.counts, ticks: PROBE_TICKS };
+        }
+        idle
     }
 
     /// What the robot does.
@@ -115,7 +153,7 @@ impl Controller {
     /// Where the robot should be now, while it drives.
     pub fn reference(&self) -> Option<Pose> {
         match &self.activity {
-            Activity::Resting => None,
+            Activity::Resting | Activity::Probing { .. } => None,
             Activity::Leg(runner) => Some(runner.reference()),
             Activity::Settling { goal, .. } => Some(*goal),
         }
@@ -147,6 +185,9 @@ impl Controller {
         parameters.check()?;
         self.parameters = parameters;
         self.rims = Rims::from(&parameters);
+        // Other wiring makes other counts of the same inputs; the robot has not moved.
+        self.counts = parameters.wiring.wheels(self.inputs);
+        self.odometry.recount(self.counts);
         self.wheels = WheelPair::new(&parameters, self.counts);
         // Its legs were found drivable within the old limits.
         self.queue.forget_batch();
@@ -200,6 +241,7 @@ impl Controller {
             self.odometry = Odometry::new(pose, self.counts);
             self.history.clear();
             self.gate = PoseGate::known(0);
+            self.placed = true;
         }
         if self.is_at_rest() {
             self.progress = Progress::new(self.odometry.pose());
@@ -228,6 +270,7 @@ impl Controller {
             return Err(PoseRefusal::Implausible);
         }
         self.gate = PoseGate::known(age);
+        self.placed = true;
         self.odometry.correct(seen, driven);
         Ok(())
     }
@@ -271,8 +314,9 @@ impl Controller {
 
     /// One tick of 5 ms: takes in what is measured, gives the motors' duty and what came to an end.
     pub fn tick(&mut self, sensors: &Sensors) -> Outcome {
-        self.counts = sensors.counts;
-        self.odometry.update(sensors.counts, &self.rims);
+        self.inputs = sensors.counts;
+        self.counts = self.parameters.wiring.wheels(sensors.counts);
+        self.odometry.update(self.counts, &self.rims);
         self.history.push(self.odometry.driven());
         self.gate.pass(1 + u16::from(sensors.missed_ticks));
         let battery = self.update_battery(sensors.battery);
@@ -280,7 +324,7 @@ impl Controller {
             self.cut(Fault::TickOverrun);
         }
         let event = self.advance();
-        let duty = self.drive();
+        let duty = self.parameters.wiring.outputs(self.drive());
         Outcome { duty, event, battery }
     }
 
@@ -302,6 +346,7 @@ impl Controller {
         match &mut self.activity {
             Activity::Resting => None,
             Activity::Leg(_) => self.advance_leg(pose),
+            Activity::Probing { .. } => self.advance_probe(),
             Activity::Settling { ticks, .. } if *ticks > 0 => {
                 *ticks -= 1;
                 None
@@ -320,6 +365,24 @@ impl Controller {
                 ended.map(|plan| Event::PlanDone { plan, pose })
             }
         }
+    }
+
+    /// Ends after a quarter turn of any wheel either way, in time, and when the robot may not move on.
+    fn advance_probe(&mut self) -> Option<Event> {
+        let Activity::Probing { from, ticks, .. } = &mut self.activity else { return None };
+        *ticks = ticks.saturating_sub(1);
+        let [now, before] = [self.counts, *from];
+        let turned = [now[0].wrapping_sub(before[0]), now[1].wrapping_sub(before[1])];
+        let quarter = u32::from(self.parameters.counts_per_turn / 4);
+        let far = turned.iter().any(|counts| counts.unsigned_abs() >= quarter);
+        if *ticks > PROBE_REST_TICKS && (far || self.state != State::Idle) {
+            *ticks = PROBE_REST_TICKS;
+        }
+        if *ticks > 0 {
+            return None;
+        }
+        self.rest();
+        Some(Event::WheelTurned(turned))
     }
 
     fn advance_leg(&mut self, pose: Pose) -> Option<Event> {
@@ -381,7 +444,9 @@ impl Controller {
         let pose = self.odometry.pose();
         let gains = &self.parameters.tracker;
         match &self.activity {
-            Activity::Resting | Activity::Settling { ticks: 0, .. } => Twist::default(),
+            Activity::Resting | Activity::Probing { .. } | Activity::Settling { ticks: 0, .. } => {
+                Twist::default()
+            }
             Activity::Settling { goal, .. } => {
                 tracker::correct(Twist::default(), *goal, pose, gains)
             }
@@ -397,6 +462,14 @@ impl Controller {
         if self.is_at_rest() {
             self.wheels.rest(self.counts);
             return [0.0, 0.0];
+        }
+        if let Activity::Probing { wheel, ticks, .. } = self.activity {
+            self.wheels.rest(self.counts);
+            let duty = if ticks > PROBE_REST_TICKS { PROBE_DUTY } else { 0.0 };
+            return match wheel {
+                Wheel::Left => [duty, 0.0],
+                Wheel::Right => [0.0, duty],
+            };
         }
         let duty = self.wheels.tick(self.wanted_twist(), self.counts);
         let (commanded, pose) = (self.wheels.commanded_twist(), self.odometry.pose());

@@ -21,6 +21,13 @@ const TELEMETRY_MILLISECONDS: u32 = 20;
 /// A wire may deliver a hello late by as many frames as this many hosts have said at least.
 const RETIRED_HOSTS: usize = 8;
 
+/// Heartbeats and acknowledgements of a host that follows the rules take less than this in a tick.
+const LAWFUL_BYTES: u16 = 12;
+/// So much beyond that is a flood: 100 ms of a line of 115 200 baud that is always full.
+const FLOOD_BYTES: u16 = 900;
+/// More is not remembered, so that a flood is over a second after its end.
+const MOST_IDLE_BYTES: u16 = 3000;
+
 /// What a byte from the wire completes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Received {
@@ -42,6 +49,7 @@ pub(crate) struct LinkEnd {
     stop: u8,
     stop_echo_due: bool,
     telemetry_sent: Milliseconds,
+    idle_bytes: u16,
 }
 
 impl LinkEnd {
@@ -56,6 +64,7 @@ impl LinkEnd {
             stop: 0,
             stop_echo_due: false,
             telemetry_sent: Milliseconds(0),
+            idle_bytes: 0,
         }
     }
 
@@ -66,6 +75,7 @@ impl LinkEnd {
 
     /// Takes one byte; what it completes and cannot wait for the reliable channel is returned at once.
     pub(crate) fn receive(&mut self, byte: u8, now: Milliseconds) -> Option<Received> {
+        self.idle_bytes = self.idle_bytes.saturating_add(1).min(MOST_IDLE_BYTES);
         let (header, command) = self.decoder.push::<Command>(byte)?.ok()?;
         if let Command::Hello(hello) = command {
             return self.open(&hello, now).then_some(Received::NewHost);
@@ -92,7 +102,19 @@ impl LinkEnd {
 
     /// The next command of the reliable channel.
     pub(crate) fn next_command(&mut self) -> Option<Command> {
-        self.session.as_mut()?.next_message()
+        let command = self.session.as_mut()?.next_message()?;
+        self.idle_bytes = 0;
+        Some(command)
+    }
+
+    /// One tick has passed.
+    pub(crate) fn pass(&mut self) {
+        self.idle_bytes = self.idle_bytes.saturating_sub(LAWFUL_BYTES);
+    }
+
+    /// Whether so much arrives that says nothing new that a stop may be waiting far behind it.
+    pub(crate) fn is_flooded(&self) -> bool {
+        self.idle_bytes > FLOOD_BYTES
     }
 
     /// Whether the host means the same by its commands as this robot.

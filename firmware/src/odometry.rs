@@ -69,6 +69,13 @@ impl Odometry {
         self.pose = self.frame.then(self.driven);
     }
 
+    /// Counts on from `counts`: the robot has not moved, its encoders are counted otherwise.
+    pub fn recount(&mut self, counts: [i32; 2]) {
+        self.heading_origin = self.driven.heading;
+        self.counts_origin = counts;
+        self.counts = counts;
+    }
+
     /// Takes in the encoders' counts (left, right) of this tick; they may wrap around.
     pub fn update(&mut self, counts: [i32; 2], rims: &Rims) {
         let heading = self.heading_origin.0 + rims.turn(since(counts, self.counts_origin));

@@ -15,8 +15,9 @@ pub use crate::signals::{Actuation, Boot, Sensors};
 use crate::signals::{Event, Outcome};
 use crate::version::{FIRMWARE_GIT, FIRMWARE_VERSION};
 use protocol::message::{
-    CameraPose, Command, Driven, Fault, MAX_LEGS, PROTOCOL_VERSION, PauseReason, PlanRefusal,
-    PoseRefusal, Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State, Telemetry,
+    CameraPose, Command, Driven, Fault, Identity, MAX_LEGS, PROTOCOL_VERSION, PauseReason,
+    PlanRefusal, PoseRefusal, Reboot, Report, RobotHello, SILENCE_LIMIT_MILLISECONDS, State,
+    Telemetry,
 };
 use protocol::motion::{Pose, TICK_MILLISECONDS};
 use protocol::parameters::ParameterRefusal;
@@ -46,6 +47,7 @@ pub struct Robot {
     store: ParameterStore,
     save: Save,
     ticks: u32,
+    chip: u64,
 }
 
 /// A save on its way to the flash, which takes longer than a tick.
@@ -83,6 +85,7 @@ impl Robot {
             store: ParameterStore::read([&[], &[]]).0,
             save: Save::None,
             ticks: 0,
+            chip: boot.chip,
         }
     }
 
@@ -133,9 +136,13 @@ impl Robot {
         self.ticks = self.ticks.wrapping_add(1 + u32::from(sensors.missed_ticks));
         let now = self.now();
         let silence = self.owner.and_then(|port| self.link(port).silence(now));
-        if silence.is_none_or(|silence| silence > SILENCE_LIMIT_MILLISECONDS) {
+        // Behind a flood nobody would hear a stop in time: it counts as silence.
+        let flooded = self.usb.is_flooded() || self.uart.is_flooded();
+        if flooded || silence.is_none_or(|silence| silence > SILENCE_LIMIT_MILLISECONDS) {
             self.controller.pause(PauseReason::Silence);
         }
+        self.usb.pass();
+        self.uart.pass();
         let Outcome { duty, event, battery } = self.controller.tick(sensors);
         if let Some(battery) = battery {
             self.report(Report::Battery(battery));
@@ -148,6 +155,7 @@ impl Robot {
                 let end = driven.map_or(0, |driven| driven.end);
                 self.outbox.plan_ended(Report::PlanDone { plan, end, pose });
             }
+            Some(Event::WheelTurned(counts)) => self.report(Report::WheelTurned { counts }),
             None => {}
         }
         self.report_stop();
@@ -174,9 +182,17 @@ impl Robot {
         }
     }
 
-    /// Asks for a restart, as a command from the host does: [`Robot::tick`] grants it at rest.
+    /// Asks for a restart, as a command from the host does; passed over unless the robot rests.
     pub fn request_reboot(&mut self, reboot: Reboot) {
-        self.reboot = Some(reboot);
+        // Not kept for later: what is asked while driving must not follow the mission's end.
+        if self.controller.is_at_rest() {
+            self.reboot = Some(reboot);
+        }
+    }
+
+    /// What the divider before the battery pin divides by; 0 for none fitted.
+    pub fn battery_divider(&self) -> f32 {
+        self.controller.parameters().divider()
     }
 
     /// Where the robot believes it stands.
@@ -232,6 +248,11 @@ impl Robot {
                 // `take_commands` has made sure of room.
                 let _ = self.link(port).report(parameters);
             }
+            Command::Identify => {
+                let placed = self.controller.is_placed();
+                let identity = Report::Identity(Identity { chip: self.chip, placed });
+                let _ = self.link(port).report(identity);
+            }
             _ if !self.may_move(port) => self.refuse(port, command, PlanRefusal::NotOwner),
             Command::SetParameters(_) | Command::SaveParameters => {
                 self.change_parameters(port, command);
@@ -248,6 +269,10 @@ impl Robot {
             }
             Command::Clear { .. } => {}
             Command::Reboot(reboot) => self.request_reboot(reboot),
+            Command::TurnWheel { wheel } => {
+                self.own(port);
+                self.controller.turn_wheel(wheel);
+            }
             Command::SetPose(seen) => self.set_pose(port, seen),
         }
     }
@@ -345,6 +370,10 @@ impl Robot {
             // What the last owner has not received by now is in the next hello.
             self.outbox = Outbox::default();
             self.owner = Some(port);
+            // It was said when it began, maybe to nobody.
+            if let Some(battery) = self.controller.battery() {
+                self.report(Report::Battery(battery));
+            }
         }
     }
 

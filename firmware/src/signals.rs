@@ -27,6 +27,8 @@ pub enum Event {
         /// Where the robot believes it stands.
         pose: Pose,
     },
+    /// A wheel that was turned to see how it is wired: what the encoders counted, left and right.
+    WheelTurned([i32; 2]),
 }
 
 /// What a tick gives.
@@ -49,6 +51,8 @@ pub struct Boot {
     pub board: Board,
     /// Why it starts.
     pub reset: ResetCause,
+    /// The number of its chip; 0 if it has none.
+    pub chip: u64,
 }
 
 /// What the robot does with its motors, and with itself.

@@ -30,9 +30,18 @@ impl InProcess {
         Self::with_flash(parameters, nonce, Flash::default())
     }
 
+    /// The default robot at its first start, with a chip of this number.
+    pub fn numbered(chip: u64) -> Self {
+        Self::boot(Parameters::default(), 1, chip, Flash::default())
+    }
+
     /// The same with what its flash holds from before.
     pub fn with_flash(parameters: Parameters, nonce: u32, flash: Flash) -> Self {
-        let boot = Boot { nonce, board: Board::Simulated, reset: ResetCause::PowerOn };
+        Self::boot(parameters, nonce, 0, flash)
+    }
+
+    fn boot(parameters: Parameters, nonce: u32, chip: u64, flash: Flash) -> Self {
+        let boot = Boot { nonce, board: Board::Simulated, reset: ResetCause::PowerOn, chip };
         let mut robot = Robot::new(parameters, boot);
         let [a, b] = &flash;
         robot.restore([a, b]);

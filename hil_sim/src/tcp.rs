@@ -1,17 +1,23 @@
 //! A socket in place of a serial cable, for every system and across a network: one client at a time. One
-//! that has never said anything gives way to the next.
+//! that has said nothing for a while gives way to the next; any other is told that the robot is busy, by a
+//! closed connection.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
 
 /// The robot's end of a socket.
 #[derive(Debug)]
 pub struct TcpPort {
     listener: TcpListener,
     client: Option<TcpStream>,
-    /// Whether the client has said anything.
-    heard: bool,
+    /// When the client last said anything.
+    heard: Option<Instant>,
 }
+
+/// A client that is silent for this long is gone, whatever its network says: one that drives speaks every
+/// 20 ms.
+const SILENCE: Duration = Duration::from_secs(3);
 
 impl TcpPort {
     /// Waits for clients at `address`.
@@ -21,7 +27,7 @@ impl TcpPort {
     pub fn listen(address: impl ToSocketAddrs) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener, client: None, heard: false })
+        Ok(Self { listener, client: None, heard: None })
     }
 
     /// Where clients find it.
@@ -33,12 +39,12 @@ impl TcpPort {
     }
 
     fn client(&mut self) -> io::Result<&mut TcpStream> {
-        if !self.heard {
+        if !self.is_served() {
             match self.listener.accept() {
                 Ok((client, _)) => {
                     client.set_nonblocking(true)?;
                     client.set_nodelay(true)?;
-                    self.client = Some(client);
+                    (self.client, self.heard) = (Some(client), None);
                 }
                 Err(_) if self.client.is_some() => {}
                 Err(error) => return Err(error),
@@ -47,11 +53,15 @@ impl TcpPort {
         self.client.as_mut().ok_or_else(|| ErrorKind::WouldBlock.into())
     }
 
+    fn is_served(&self) -> bool {
+        self.heard.is_some_and(|heard| heard.elapsed() <= SILENCE)
+    }
+
     /// A client that is gone makes room for the next.
     fn part<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
         match result {
             Err(error) if error.kind() != ErrorKind::WouldBlock => {
-                (self.client, self.heard) = (None, false);
+                (self.client, self.heard) = (None, None);
                 Err(ErrorKind::WouldBlock.into())
             }
             other => other,
@@ -64,7 +74,14 @@ impl Read for TcpPort {
         let result = self.client()?.read(buffer);
         let result = result
             .and_then(|n| if n == 0 { Err(ErrorKind::ConnectionReset.into()) } else { Ok(n) });
-        self.heard |= result.is_ok();
+        match &result {
+            Ok(_) => self.heard = Some(Instant::now()),
+            // Closed at once, and so told that somebody else is served.
+            Err(error) if error.kind() == ErrorKind::WouldBlock && self.is_served() => {
+                drop(self.listener.accept());
+            }
+            Err(_) => {}
+        }
         self.part(result)
     }
 }
@@ -119,8 +136,10 @@ mod tests {
         patiently(|| port.read(&mut received));
         assert_eq!(received, [2]);
         drop(silent);
-        // Who has spoken is not disturbed by another.
-        let _other = TcpStream::connect(port.address().unwrap()).unwrap();
+        // Who has spoken is not disturbed by another, who is turned away.
+        let mut other = TcpStream::connect(port.address().unwrap()).unwrap();
+        assert_eq!(port.read(&mut received).unwrap_err().kind(), ErrorKind::WouldBlock);
+        assert_eq!(other.read(&mut received).unwrap(), 0);
         client.write_all(&[3]).unwrap();
         patiently(|| port.read(&mut received));
         assert_eq!(received, [3]);

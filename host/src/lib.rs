@@ -41,6 +41,7 @@ pub mod scene;
 pub mod shape;
 pub mod uf2;
 pub mod vision;
+pub mod wiring_check;
 
 /// The wire format, whose motion types appear in this crate's signatures.
 pub use protocol;

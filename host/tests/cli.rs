@@ -444,3 +444,28 @@ fn a_result_that_cannot_be_written_is_an_error() {
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8(output.stderr).unwrap().contains("cannot write"));
 }
+
+#[test]
+fn a_drive_is_told_whatever_becomes_of_its_log() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nothing can be written where a folder stands.
+    std::fs::create_dir_all(folder.path().join("run.jsonl")).unwrap();
+    let log = folder.path().to_str().unwrap();
+    let output = wmr(&["drive", PAPER, "--port", "sim", "--json", "--log", log]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let run = document(&output);
+    assert_eq!(run["reached"], true, "{run}");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("error[file.write]") && told.contains("run.jsonl"), "{told}");
+}
+
+/// A plan is driven from where the robot is said to stand; what that misses shows only in the truth.
+#[test]
+fn a_robot_beside_its_start_misses_its_goal_by_as_much() {
+    let output = wmr(&["drive", PAPER, "--port", "sim", "--json", "--sim-start-error", "20mm,0"]);
+    assert_eq!(output.status.code(), Some(7), "{output:?}");
+    let run = document(&output);
+    assert_eq!(run["reached"], false);
+    let missed = number(&run["error"]["position"]);
+    assert!((0.015..0.025).contains(&missed), "{run}");
+}

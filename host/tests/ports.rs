@@ -198,3 +198,122 @@ fn silent_physics_do_not_hold_the_program_that_is_interrupted() {
     assert!(output.status.success(), "{output:?}");
     assert!(document(&output)["t"].is_number(), "{output:?}");
 }
+
+/// Starts a robot behind a socket; it, and the name of its port.
+fn behind_a_socket(scene: &str) -> (Sim, String) {
+    let (sim, line) = Sim::start(&["--tcp", "127.0.0.1:0", "--scene", scene]);
+    let port = line.split_whitespace().find(|word| word.starts_with("tcp://")).unwrap();
+    let port = port.trim_end_matches(';').to_owned();
+    (sim, port)
+}
+
+#[test]
+fn a_second_program_stops_the_robot_that_the_first_one_drives() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, link) = (folder.path().join("scene.json"), folder.path().join("robot"));
+    std::fs::write(&scene, SHORT).unwrap();
+    let (scene, link) = (scene.to_str().unwrap(), link.to_str().unwrap());
+    let state = folder.path().join("state");
+    for by_socket in [true, false] {
+        let (sim, port) = if by_socket {
+            behind_a_socket(scene)
+        } else {
+            (Sim::start(&["--pty", link, "--scene", scene]).0, link.to_owned())
+        };
+        let run = |words: &[&str]| {
+            let mut command = wmr(words);
+            command.args(["--port", &port, "--json"]).env("XDG_STATE_HOME", &state);
+            command
+        };
+        let mut drive = run(&["drive", scene]);
+        let mut drive = drive.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(drive.stderr.take().unwrap()).read_line(&mut line).unwrap();
+        assert!(line.contains("robot: "), "{line}");
+        // It has opened its socket a moment after it has greeted the robot.
+        while !std::fs::read_dir(state.join("wmr")).is_ok_and(|mut files| {
+            files.any(|file| file.unwrap().path().extension().is_some_and(|end| end == "sock"))
+        }) {
+            assert!(drive.try_wait().unwrap().is_none(), "it still drives");
+        }
+        let busy = run(&["info"]).output().unwrap();
+        assert_eq!(document(&busy)["error"]["code"], "port.busy", "{busy:?}");
+        assert_eq!(busy.status.code(), Some(5));
+        let stopped = run(&["stop"]).output().unwrap();
+        assert_eq!(stopped.status.code(), Some(0), "{stopped:?}");
+        assert_eq!(document(&stopped)["state"], "stopped");
+        let driven = drive.wait_with_output().unwrap();
+        assert_eq!(driven.status.code(), Some(7), "{driven:?}");
+        assert_eq!(document(&driven)["error"]["code"], "robot.stopped");
+        let again = run(&["stop"]).output().unwrap();
+        assert_eq!(document(&again)["state"], "stopped", "nobody drives it now: {again:?}");
+        assert!(distance(&sim.end()["true_pose"], 0.8, 0.5) > 0.05);
+    }
+}
+
+#[test]
+fn a_plan_that_begins_elsewhere_than_the_robot_stands_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
+    std::fs::write(&scene, SHORT).unwrap();
+    let scene = scene.to_str().unwrap();
+    let (sim, port) = behind_a_socket(scene);
+    let drive = |more: &[&str]| {
+        let mut command = wmr(&[&["drive", scene, "--port", &port, "--json"], more].concat());
+        command.env("XDG_STATE_HOME", folder.path()).output().unwrap()
+    };
+    assert_eq!(drive(&[]).status.code(), Some(0));
+    let again = drive(&[]);
+    assert_eq!(again.status.code(), Some(7), "{again:?}");
+    let error = document(&again)["error"].clone();
+    assert_eq!(error["code"], "robot.elsewhere");
+    let [message, help] = ["message", "help"].map(|part| error[part].as_str().unwrap().to_owned());
+    assert!(message.contains("(0.8") && message.contains("(0.300, 0.500)"), "{message}");
+    assert!(help.contains("--start 0.8") && help.contains("--from-start"), "{help}");
+    // The first way on: from where it stands, back to where it began.
+    let place = help.split("--start ").nth(1).unwrap().split(';').next().unwrap();
+    let back = drive(&["--start", place, "--goal", "0.3,0.5"]);
+    assert_eq!(document(&back)["reached"], true, "{back:?}");
+    // The second: it looks the other way now, and nobody turned it; it is believed all the same.
+    assert_eq!(drive(&["--from-start"]).status.code(), Some(0));
+    assert!(sim.end()["collisions"].is_number());
+}
+
+#[test]
+fn a_robot_is_checked_by_whoever_looks_at_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("robot");
+    let link = link.to_str().unwrap();
+    let (sim, _) = Sim::start(&["--pty", link]);
+    let check = |answers: &str| {
+        let mut check = wmr(&["check", "base", "--port", link, "--json"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        check.stdin.take().unwrap().write_all(answers.as_bytes()).unwrap();
+        check.wait_with_output().unwrap()
+    };
+    // The simulated base is wired as drawn; whoever says otherwise gets what follows from it.
+    let found = check("\nlf\n\nwhat\nrf\n\n");
+    assert_eq!(found.status.code(), Some(0), "{found:?}");
+    let wiring = document(&found)["wiring"].clone();
+    assert_eq!(wiring["motor_reversed"], serde_json::json!([false, false]), "{wiring}");
+    assert_eq!(wiring["motors_swapped"], false);
+    assert!(String::from_utf8_lossy(&found.stderr).contains("is none of them"));
+    let numbers = document(&wmr(&["params", "--port", link, "--json"]).output().unwrap());
+    assert_eq!(numbers["parameters"]["wiring-checked"], 1.0, "{numbers}");
+    let mirrored = check("\nlf\n\nrb\n\n");
+    assert_eq!(
+        document(&mirrored)["wiring"]["encoder_reversed"],
+        serde_json::json!([false, true]),
+        "{mirrored:?}"
+    );
+    let none = check("\nlf\n\nn\n");
+    assert_eq!(none.status.code(), Some(7), "{none:?}");
+    assert_eq!(document(&none)["error"]["code"], "check.wiring");
+    let early = check("\n");
+    assert_eq!(early.status.code(), Some(2), "{early:?}");
+    sim.end();
+}

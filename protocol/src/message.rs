@@ -20,7 +20,7 @@ pub use crate::telemetry::Telemetry;
 use serde::{Deserialize, Serialize};
 
 /// The version of the rules; both ends must have the same for the robot to move.
-pub const PROTOCOL_VERSION: u16 = 3;
+pub const PROTOCOL_VERSION: u16 = 4;
 
 /// The most legs that the robot keeps: those not yet driven, and those whose end is not yet reported.
 pub const MAX_LEGS: usize = 32;
@@ -44,7 +44,7 @@ pub enum Command {
         /// The host's stops in this session, this one included; wraps around.
         number: u8,
     },
-    /// Restarts the board, if at rest. *Frozen.*
+    /// Restarts the board if it rests, and is passed over if it does not. *Frozen.*
     Reboot(Reboot),
     /// Announces a batch of legs; what was collected of an earlier one is forgotten.
     PlanBegin(PlanHeader),
@@ -83,6 +83,32 @@ pub enum Command {
     SetParameters(Parameters),
     /// Keeps the robot's numbers in flash; answered by [`Report::ParametersSaved`].
     SaveParameters,
+    /// Asks which robot it is and whether it knows where it stands; answered by [`Report::Identity`].
+    Identify,
+    /// Turns one wheel forward by a quarter turn at most, without any control loop, to find out how it is
+    /// wired; a robot that is idle at rest answers with [`Report::WheelTurned`], any other not at all.
+    TurnWheel {
+        /// Which.
+        wheel: Wheel,
+    },
+}
+
+/// One of the two wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Wheel {
+    /// On the left of a robot that looks away from you.
+    Left,
+    /// On the right.
+    Right,
+}
+
+/// Which robot it is, and what it knows of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// The number of its chip, which no other has; 0 if the board has none.
+    pub chip: u64,
+    /// Whether it was told since its start where it stands, so that its pose is one in the arena.
+    pub placed: bool,
 }
 
 /// Where the robot was when a camera looked.
@@ -179,6 +205,13 @@ pub enum Report {
     ParametersSaved {
         /// How many times parameters have been saved.
         sequence: u32,
+    },
+    /// Which robot it is.
+    Identity(Identity),
+    /// A wheel was to turn; its motor rests again.
+    WheelTurned {
+        /// By how many counts each encoder has gone on meanwhile, left and right.
+        counts: [i32; 2],
     },
 }
 

@@ -38,6 +38,74 @@ pub struct Parameters {
     pub battery: BatteryLevels,
     /// Which calibration the lengths come from; 0 for none.
     pub calibration: u32,
+    /// Which way round motors and encoders are connected.
+    pub wiring: Wiring,
+    /// What the divider before the battery pin divides by, in steps of [`DIVIDER_STEP`]; 0 for none fitted.
+    pub battery_divider: u8,
+}
+
+/// A step of [`Parameters::battery_divider`].
+pub const DIVIDER_STEP: f32 = 0.05;
+
+/// Which way round motors and encoders are connected: one bit each, none of them on a robot that is
+/// wired as the drawing has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Wiring(pub u8);
+
+impl Wiring {
+    /// The motor on the left outputs rolls its wheel backward on a positive duty.
+    pub const LEFT_MOTOR_REVERSED: Self = Self(1);
+    /// The same on the right outputs.
+    pub const RIGHT_MOTOR_REVERSED: Self = Self(2);
+    /// The encoder on the left inputs counts down as its wheel rolls forward.
+    pub const LEFT_ENCODER_REVERSED: Self = Self(4);
+    /// The same on the right inputs.
+    pub const RIGHT_ENCODER_REVERSED: Self = Self(8);
+    /// The right motor is on the left outputs, and the left one on the right.
+    pub const MOTORS_SWAPPED: Self = Self(16);
+    /// The right encoder is on the left inputs, and the left one on the right.
+    pub const ENCODERS_SWAPPED: Self = Self(32);
+    /// A person has seen that all this is right.
+    pub const CHECKED: Self = Self(64);
+
+    /// Whether `bit` is set.
+    pub fn has(self, bit: Self) -> bool {
+        self.0 & bit.0 != 0
+    }
+
+    /// The same with `bit` set or not.
+    pub fn with(self, bit: Self, set: bool) -> Self {
+        Self(if set { self.0 | bit.0 } else { self.0 & !bit.0 })
+    }
+
+    /// What the inputs count as counts of the left and the right wheel.
+    pub fn wheels(self, inputs: [i32; 2]) -> [i32; 2] {
+        let [left, right] = inputs;
+        let counts = [
+            if self.has(Self::LEFT_ENCODER_REVERSED) { left.wrapping_neg() } else { left },
+            if self.has(Self::RIGHT_ENCODER_REVERSED) { right.wrapping_neg() } else { right },
+        ];
+        swapped_if(self.has(Self::ENCODERS_SWAPPED), counts)
+    }
+
+    /// The inputs behind what [`wheels`](Self::wheels) made of them.
+    pub fn inputs(self, wheels: [i32; 2]) -> [i32; 2] {
+        let swap = Self::ENCODERS_SWAPPED;
+        self.with(swap, false).wheels(swapped_if(self.has(swap), wheels))
+    }
+
+    /// The duty of the left and the right outputs that turns the wheels with `duty`.
+    pub fn outputs(self, duty: [f32; 2]) -> [f32; 2] {
+        let [left, right] = swapped_if(self.has(Self::MOTORS_SWAPPED), duty);
+        [
+            if self.has(Self::LEFT_MOTOR_REVERSED) { -left } else { left },
+            if self.has(Self::RIGHT_MOTOR_REVERSED) { -right } else { right },
+        ]
+    }
+}
+
+fn swapped_if<T>(swap: bool, [left, right]: [T; 2]) -> [T; 2] {
+    if swap { [right, left] } else { [left, right] }
 }
 
 /// How a wheel's velocity loop answers; the same for both wheels.
@@ -78,7 +146,8 @@ pub struct BatteryLevels {
 }
 
 impl Default for Parameters {
-    /// A small robot with 70 mm wheels on N20-class gear motors and two lithium cells.
+    /// A small robot with 70 mm wheels on N20-class gear motors and four NiMH cells behind a divider of
+    /// 2.2 kΩ and 1 kΩ.
     fn default() -> Self {
         Self {
             wheel_radius: Metres(0.035),
@@ -91,6 +160,8 @@ impl Default for Parameters {
             tracker: TrackerGains::default(),
             battery: BatteryLevels::default(),
             calibration: 0,
+            wiring: Wiring::default(),
+            battery_divider: 64,
         }
     }
 }
@@ -118,9 +189,9 @@ impl Default for TrackerGains {
 }
 
 impl Default for BatteryLevels {
-    /// Two lithium cells in series: 3.5, 3.4 and 3.2 V each.
+    /// Four NiMH cells in series: 1.15, 1.1 and 1.05 V each under load, where little is left.
     fn default() -> Self {
-        Self { warn: 7.0, derate: 6.8, stop: 6.4 }
+        Self { warn: 4.6, derate: 4.4, stop: 4.2 }
     }
 }
 
@@ -142,7 +213,7 @@ const fn field(name: &'static str, unit: &'static str, least: f32, most: f32) ->
 }
 
 /// The numbers in the order of [`Parameters::values`].
-pub const FIELDS: [Field; 17] = [
+pub static FIELDS: [Field; 25] = [
     field("wheel-radius", "m", 0.005, 0.5),
     field("wheel-ratio", "", 0.9, 1.1),
     field("track", "m", 0.02, 2.0),
@@ -160,6 +231,25 @@ pub const FIELDS: [Field; 17] = [
     field("battery-warn", "V", 0.0, 60.0),
     field("battery-derate", "V", 0.0, 60.0),
     field("battery-stop", "V", 0.0, 60.0),
+    field("left-motor-reversed", "", 0.0, 1.0),
+    field("right-motor-reversed", "", 0.0, 1.0),
+    field("left-encoder-reversed", "", 0.0, 1.0),
+    field("right-encoder-reversed", "", 0.0, 1.0),
+    field("motors-swapped", "", 0.0, 1.0),
+    field("encoders-swapped", "", 0.0, 1.0),
+    field("wiring-checked", "", 0.0, 1.0),
+    field("battery-divider", "", 0.0, 12.75),
+];
+
+/// The bits of [`Wiring`] in the order of [`FIELDS`].
+const WIRING_BITS: [Wiring; 7] = [
+    Wiring::LEFT_MOTOR_REVERSED,
+    Wiring::RIGHT_MOTOR_REVERSED,
+    Wiring::LEFT_ENCODER_REVERSED,
+    Wiring::RIGHT_ENCODER_REVERSED,
+    Wiring::MOTORS_SWAPPED,
+    Wiring::ENCODERS_SWAPPED,
+    Wiring::CHECKED,
 ];
 
 /// Why parameters are not taken.
@@ -198,6 +288,8 @@ impl Parameters {
     /// The numbers in the order of [`FIELDS`].
     pub fn values(&self) -> [f32; FIELDS.len()] {
         let (wheel, tracker, battery) = (&self.wheel_loop, &self.tracker, &self.battery);
+        let [lm, rm, le, re, motors, encoders, checked] =
+            WIRING_BITS.map(|bit| f32::from(u8::from(self.wiring.has(bit))));
         [
             self.wheel_radius.0,
             self.wheel_ratio,
@@ -216,6 +308,14 @@ impl Parameters {
             battery.warn,
             battery.derate,
             battery.stop,
+            lm,
+            rm,
+            le,
+            re,
+            motors,
+            encoders,
+            checked,
+            self.divider(),
         ]
     }
 
@@ -224,7 +324,12 @@ impl Parameters {
         let [radius, ratio, track, counts, speed, acceleration, rest @ ..] = values;
         let [no_load_speed, time_constant, breakaway_duty, velocity_gain, angle_gain, rest @ ..] =
             rest;
-        let [along, across, heading, warn, derate, stop] = rest;
+        let [along, across, heading, warn, derate, stop, rest @ ..] = rest;
+        let [bits @ .., divider] = rest;
+        let wiring = WIRING_BITS
+            .into_iter()
+            .zip(bits)
+            .fold(Wiring::default(), |wiring, (bit, set)| wiring.with(bit, set >= 0.5));
         Self {
             wheel_radius: Metres(radius),
             wheel_ratio: ratio,
@@ -242,7 +347,14 @@ impl Parameters {
             tracker: TrackerGains { along, across, heading },
             battery: BatteryLevels { warn, derate, stop },
             calibration: self.calibration,
+            wiring,
+            battery_divider: (divider / DIVIDER_STEP + 0.5) as u8,
         }
+    }
+
+    /// What the divider before the battery pin divides by; 0 for none fitted.
+    pub fn divider(&self) -> f32 {
+        f32::from(self.battery_divider) * DIVIDER_STEP
     }
 
     /// Whether a robot can be driven with these numbers.
@@ -256,7 +368,8 @@ impl Parameters {
     /// # Errors
     /// [`ParameterRefusal`] with the first that makes no sense.
     pub fn check(&self) -> Result<(), ParameterRefusal> {
-        for (place, (value, field)) in self.values().into_iter().zip(FIELDS).enumerate() {
+        // By reference: a copy of the table would lie on the robot's stack.
+        for (place, (value, field)) in self.values().into_iter().zip(&FIELDS).enumerate() {
             // NaN is in no range.
             if !(field.least..=field.most).contains(&value) {
                 return Err(ParameterRefusal::OutOfRange { field: place as u8, value });
@@ -288,8 +401,8 @@ impl Parameters {
     }
 }
 
-/// No encoding is longer: 16 f32, and varints of at most 3 and 5 bytes.
-pub const ENCODED_SIZE: usize = 16 * 4 + 3 + 5;
+/// No encoding is longer: 16 f32, varints of at most 3 and 5 bytes, and two bytes.
+pub const ENCODED_SIZE: usize = 16 * 4 + 3 + 5 + 2;
 
 #[cfg(test)]
 mod tests {
@@ -312,16 +425,44 @@ mod tests {
         assert!(matches!(nan.check(), Err(ParameterRefusal::OutOfRange { field: 1, .. })));
     }
 
+    #[test]
+    fn wiring_by_hand() {
+        let built = Wiring::default();
+        assert_eq!((built.wheels([3, 5]), built.outputs([0.3, 0.5])), ([3, 5], [0.3, 0.5]));
+        let mirrored = built
+            .with(Wiring::RIGHT_MOTOR_REVERSED, true)
+            .with(Wiring::RIGHT_ENCODER_REVERSED, true);
+        assert_eq!((mirrored.wheels([3, 5]), mirrored.outputs([0.3, 0.5])), ([3, -5], [0.3, -0.5]));
+        // The right wheel's encoder is on the left inputs, and counts backward there.
+        let swapped =
+            built.with(Wiring::ENCODERS_SWAPPED, true).with(Wiring::LEFT_ENCODER_REVERSED, true);
+        assert_eq!(swapped.wheels([-5, 3]), [3, 5]);
+        // The same for its motor.
+        let swapped =
+            built.with(Wiring::MOTORS_SWAPPED, true).with(Wiring::LEFT_MOTOR_REVERSED, true);
+        assert_eq!(swapped.outputs([0.3, 0.5]), [-0.5, 0.3]);
+    }
+
     proptest! {
         #[test]
-        fn every_number_has_its_own_place(place in 0usize..17, value in 5.0f32..60_000.0) {
+        fn inputs_are_what_the_wheels_were_made_of(bits in 0u8..128, left: i32, right: i32) {
+            let wiring = Wiring(bits);
+            prop_assert_eq!(wiring.inputs(wiring.wheels([left, right])), [left, right]);
+        }
+
+        #[test]
+        fn every_number_has_its_own_place(place in 0usize..FIELDS.len(), value in 5.0f32..60_000.0) {
             let mut values = Parameters::default().values();
-            values[place] = value.floor();
+            values[place] = match FIELDS[place].most {
+                1.0 => 1.0,
+                12.75 => 4.0,
+                _ => value.floor(),
+            };
             prop_assert_eq!(Parameters::default().with_values(values).values(), values);
         }
 
         #[test]
-        fn bytes_bring_the_same_back(values in prop::array::uniform17(-1e6f32..1e6), calibration: u32) {
+        fn bytes_bring_the_same_back(values in prop::array::uniform25(-1e6f32..1e6), calibration: u32) {
             let parameters = Parameters { calibration, ..Parameters::default().with_values(values) };
             let mut bytes = [0; ENCODED_SIZE];
             let length = parameters.encode(&mut bytes).unwrap();

@@ -53,6 +53,7 @@ mod tests {
         // Enums inside others need to be asked for by themselves, so that every variant is seen.
         tracer.trace_type::<crate::message::Placement>(&samples).unwrap();
         tracer.trace_type::<crate::message::Reboot>(&samples).unwrap();
+        tracer.trace_type::<crate::message::Wheel>(&samples).unwrap();
         tracer.trace_type::<crate::message::Board>(&samples).unwrap();
         tracer.trace_type::<crate::message::ResetCause>(&samples).unwrap();
         tracer.trace_type::<crate::message::State>(&samples).unwrap();

@@ -173,6 +173,7 @@ fn commands() -> Vec<Row<Command>> {
     let [commit, commits] = [1, LONG].map(|plan| Command::PlanCommit { plan });
     let [cancel, cancels] = [1, LONG].map(|plan| Command::PlanCancel { plan });
     let [clear, clears] = [1, u8::MAX].map(|stop| Command::Clear { stop });
+    let turn = Command::TurnWheel { wheel: Wheel::Right };
     let reboot = Command::Reboot(Reboot::Bootloader);
     let seen = |ticks| Command::SetPose(CameraPose { ticks, pose: POSE });
     let set = |calibration| Command::SetParameters(parameters(calibration));
@@ -197,6 +198,8 @@ fn commands() -> Vec<Row<Command>> {
         (true, Command::GetParameters, Command::GetParameters),
         (true, set(0), set(LONG)),
         (true, Command::SaveParameters, Command::SaveParameters),
+        (true, Command::Identify, Command::Identify),
+        (true, turn, turn),
     ]
 }
 
@@ -238,6 +241,8 @@ fn reports() -> Vec<Row<Report>> {
     let battery = Report::Battery(BatteryReport { level: BatteryLevel::Low, volts: 7.0 });
     let unset = Report::ParametersRefused(ParameterRefusal::NotAtRest);
     let out_of_range = ParameterRefusal::OutOfRange { field: 1, value: 1.0 };
+    let identity = |chip| Report::Identity(Identity { chip, placed: true });
+    let turned = |count| Report::WheelTurned { counts: [count; 2] };
     let saved = |sequence| Report::ParametersSaved { sequence };
     vec![
         (false, hello(1, 1, None), hello(LONG, u16::MAX, Some(driven))),
@@ -269,5 +274,7 @@ fn reports() -> Vec<Row<Report>> {
         (true, Report::Parameters(parameters(0)), Report::Parameters(parameters(LONG))),
         (true, unset, Report::ParametersRefused(out_of_range)),
         (true, saved(1), saved(LONG)),
+        (true, identity(1), identity(u64::MAX)),
+        (true, turned(1), turned(i32::MIN)),
     ]
 }

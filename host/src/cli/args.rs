@@ -52,6 +52,9 @@ pub(crate) enum Command {
     /// Find out what a robot's lengths really are, or where a camera stands.
     #[command(subcommand)]
     Calibrate(CalibrateCommand),
+    /// Find out whether a robot is put together right, before its first drive.
+    #[command(subcommand)]
+    Check(CheckCommand),
     /// Stop the robot behind a port; it stays stopped until it is told to drive.
     Stop(PortArgs),
 }
@@ -289,9 +292,15 @@ pub(crate) struct DriveArgs {
     /// Write photo, scene, plan, run and pictures into this folder.
     #[arg(long, value_name = "DIR")]
     pub(crate) log: Option<PathBuf>,
+    /// The robot was carried to the plan's start: pass over where it knows itself to stand.
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) from_start: bool,
     /// Which of many slightly different robots is simulated.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) sim_seed: u64,
+    /// How far beside its start a robot on --port sim really stands, and how much it is turned.
+    #[arg(long, value_parser = quantity::offset, value_name = "MM,DEG")]
+    pub(crate) sim_start_error: Option<(f64, f64)>,
 }
 
 #[derive(Debug, Args)]
@@ -344,6 +353,25 @@ pub(crate) struct ParamsArgs {
     #[arg(long)]
     pub(crate) defaults: bool,
     /// Forget the changes when the robot loses power.
+    #[arg(long)]
+    pub(crate) no_save: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum CheckCommand {
+    /// Turn each wheel a quarter turn, ask which one turned which way, and keep how it is wired.
+    ///
+    /// Put the robot on a block first: its wheels must hang free. Motors that turn backward, encoders that
+    /// count backward and swapped sides need no soldering: the robot keeps in its flash how it is wired.
+    Base(CheckBaseArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckBaseArgs {
+    /// auto, sim, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// Forget what was found when the robot loses power.
     #[arg(long)]
     pub(crate) no_save: bool,
 }

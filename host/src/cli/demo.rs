@@ -1,16 +1,16 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
 use super::args::{DemoArgs, MethodName, PlannerName, VisionArgs, WayArgs};
-use super::drive::{arrived, describe_run, drive_way};
+use super::drive::{Begin, drive_way, keep, tell};
 use super::error::CliError;
 use super::folder::Folder;
 use super::input::{self, Input, Sight};
 use super::mission::Resume;
 use super::output::Output;
-use super::run::Driven;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
 use wmr::geometry::{Arena, Point};
+use wmr::link::standing::Tolerance;
 use wmr::scene::Goal;
 
 /// A ray-traced picture of an arena with eight boxes and the robot.
@@ -44,11 +44,13 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     output.say(plan::describe_way(&way).trim_end());
     output.say(&format!("3. drive: robot at {}", args.port));
     let folder = Folder::begin(&args.out, &input, &way)?;
-    let Driven { run, error } =
-        drive_way(&way, &way_args, &args.port, SEED, Resume::Never, output)?;
-    folder.run(&input, &way, &run)?;
-    error.map_or(Ok(()), Err)?;
-    output.result(&run.document(), &describe_run(&run))?;
-    output.say(&format!("pictures and log: {}", args.out.display()));
-    arrived(&run)
+    let tolerance = Some(Tolerance::SEEN);
+    let begin = Begin { tolerance, resume: Resume::Never, seed: SEED, error: None };
+    let driven = drive_way(&way, &way_args, &args.port, begin, output)?;
+    let outcome = tell(&driven, output);
+    keep(outcome, output, || {
+        folder.run(&input, &way, &driven.run)?;
+        output.say(&format!("pictures and log: {}", args.out.display()));
+        Ok(())
+    })
 }

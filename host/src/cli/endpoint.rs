@@ -23,6 +23,16 @@ pub(crate) trait Endpoint: TimedPort {
     /// A number that tells this connection from others.
     fn nonce(&self) -> u32;
 
+    /// The port's name, if other programs may want it too.
+    fn name(&self) -> Option<&str> {
+        None
+    }
+
+    /// Whether the other side closes every connection before it has said a word.
+    fn is_turned_away(&self) -> bool {
+        false
+    }
+
     /// Whether the robot is still there when this program has ended.
     fn outlives_the_program(&self) -> bool {
         false
@@ -73,6 +83,7 @@ impl<B: Firmware> Endpoint for Simulated<B> {
 /// A real port and the clock on the wall.
 #[derive(Debug)]
 struct RealPort {
+    name: String,
     wire: Reopening,
     opened: Instant,
 }
@@ -117,6 +128,14 @@ impl Endpoint for RealPort {
         // The system's random seed of hash maps: differs from process to process, without a crate for it.
         use std::hash::{BuildHasher, RandomState};
         RandomState::new().hash_one(0) as u32
+    }
+
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
+    fn is_turned_away(&self) -> bool {
+        self.wire.is_turned_away()
     }
 
     fn outlives_the_program(&self) -> bool {
@@ -200,5 +219,5 @@ pub(crate) fn open(
         return Ok(Box::new(Simulated(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base))));
     }
     let wire = Reopening::open(name)?;
-    Ok(Box::new(RealPort { wire, opened: Instant::now() }))
+    Ok(Box::new(RealPort { name: name.to_owned(), wire, opened: Instant::now() }))
 }

@@ -61,7 +61,7 @@ impl CliError {
     }
 
     /// An error of the library: its text says what, and after a semicolon what to do.
-    fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
+    pub(crate) fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
         let text = error.to_string();
         match text.split_once("; ") {
             Some((message, advice)) => Self::new(exit, code, message, advice),
@@ -145,11 +145,9 @@ impl From<PortError> for CliError {
                 "port.missing",
                 "wmr ports lists what is there; without a robot: --port sim".to_owned(),
             ),
-            PortError::Busy { name } => (
+            PortError::Busy { .. } => (
                 "port.busy",
-                format!(
-                    "close the other program (a serial monitor? a second wmr?); fuser -v {name} names it"
-                ),
+                "close the other program (a serial monitor? a second wmr? press Ctrl-C there); to stop the robot at once pull its cable: it stops within 0.3 s of silence".to_owned(),
             ),
             PortError::Denied { .. } => {
                 ("port.denied", "sudo usermod -aG dialout $USER, then log out and in".to_owned())
@@ -199,6 +197,14 @@ impl From<LinkError> for CliError {
             LinkError::Version { .. } => {
                 ("link.version", "flash the firmware that belongs to this program")
             }
+            LinkError::NoAnswer(_) | LinkError::NoTelemetry(_) => (
+                "link.no_answer",
+                "unplug the robot and plug it in again; if that does not help, flash its firmware anew",
+            ),
+            LinkError::ClockStopped(_) => (
+                "link.clock_stopped",
+                "something repeats old words; unplug the robot and plug it in again",
+            ),
             LinkError::Restarted(_) => {
                 ("link.restarted", "check its battery, put it at the start, and drive again")
             }
@@ -241,6 +247,36 @@ impl From<MissionError> for CliError {
                 "robot.fault",
                 error,
                 "free the robot, put it at the start, and drive again",
+            ),
+            MissionError::BatteryEmpty { .. } => Self::new(
+                Exit::Robot,
+                "robot.battery",
+                error,
+                "charge it or change the cells; wmr params shows battery-stop, the voltage that counts as empty",
+            ),
+            MissionError::NotDriving { .. } | MissionError::NeverRests(_) => Self::new(
+                Exit::Robot,
+                "robot.not_driving",
+                error,
+                "look at the robot; wmr stop and then wmr drive begin anew",
+            ),
+            MissionError::Late { .. } => Self::new(
+                Exit::Link,
+                "robot.late",
+                error,
+                "look for wheels that slip or drag and for a weak battery; drive more slowly with wmr params speed=0.2",
+            ),
+            MissionError::Disagrees { .. } | MissionError::Impossible(_) => Self::new(
+                Exit::Robot,
+                "robot.contradiction",
+                error,
+                "look where the robot really stands before you drive again; flash its firmware anew if this repeats",
+            ),
+            MissionError::Unfit(_) => Self::new(
+                Exit::Robot,
+                "robot.unfit",
+                error,
+                "nothing has moved; set its numbers with wmr params, or flash its firmware anew",
             ),
             MissionError::Cancelled { .. } => {
                 Self::new(Exit::Robot, "robot.cancelled", error, "drive the rest with another plan")

@@ -3,15 +3,22 @@
 use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
+use super::params;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
-use protocol::message::{RobotHello, State, Telemetry};
+use super::stop_desk::StopDesk;
+use protocol::message::{Board, Identity, RobotHello, State, Telemetry};
 use protocol::motion::{self, Leg, Limits, WheelSpeeds};
+use protocol::parameters::Wiring;
 use std::sync::atomic::{AtomicBool, Ordering};
-use wmr::geometry::Pose;
-use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, wait_for};
-use wmr::link::mission::{Mission, MissionEvent};
-use wmr::link::{self, LinkClient, LinkError};
+use wmr::geometry::{Point, Pose};
+use wmr::legs::from_wire;
+use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, STOP_TIMEOUT, wait_for};
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::parameters::{Answer, Exchange, ParameterError, Request};
+use wmr::link::port::PortError;
+use wmr::link::standing::{self, Tolerance};
+use wmr::link::{self, LinkClient, LinkError, check_robot};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -37,10 +44,19 @@ pub(crate) enum Resume {
     Wanted,
 }
 
-/// Drives on `endpoint` the legs that `legs` makes for the robot's limits, beginning at `start`.
+/// Where a drive begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beginning {
+    /// By the plan.
+    pub(crate) start: Pose,
+    /// How far from there the robot may know itself to stand; `None` if it was carried there.
+    pub(crate) tolerance: Option<Tolerance>,
+}
+
+/// Drives on `endpoint` the legs that `legs` makes for the robot's limits, beginning at `beginning`.
 pub(crate) fn drive(
     endpoint: Box<dyn Endpoint>,
-    start: Pose,
+    beginning: Beginning,
     legs: impl Fn(&Limits) -> Vec<Leg>,
     resume: Resume,
     output: Output,
@@ -49,16 +65,23 @@ pub(crate) fn drive(
     let nonce = endpoint.nonce();
     let mut client = LinkClient::new(endpoint, nonce);
     let robot = connect(&mut client)?;
+    client.check_protocol()?;
+    check_robot(&robot)?;
     let limits = robot.limits;
     let legs = legs(&limits);
     output.say(&format!("robot: {}; {}", describe_robot(&robot), count_of_legs(legs.len())));
-    let mut run = Run::new(legs.clone(), limits, start);
+    let mut run = Run::new(legs.clone(), limits, beginning.start);
     if run.legs.is_empty() {
         run.truth = client.port_mut().truth();
         return Ok(Driven { run, error: None });
     }
-    let memory =
-        if resume == Resume::Never { Memory::none() } else { Memory::of(&mut client, &legs) };
+    let identity = identify(&mut client)?;
+    warn_of_wiring(&mut client, identity, output)?;
+    let memory = if resume == Resume::Never {
+        Memory::none()
+    } else {
+        Memory::of(&mut client, &legs, identity)
+    };
     let mut mission = if resume == Resume::Wanted {
         client.check_protocol()?;
         wait_for_pose(&mut client)?;
@@ -66,14 +89,11 @@ pub(crate) fn drive(
         run.first = first;
         mission
     } else {
-        let wire_start = motion::Pose::new(
-            start.position.x as f32,
-            start.position.y as f32,
-            start.heading as f32,
-        );
-        Mission::new(legs, wire_start)
+        let start = begin(&mut client, identity, beginning)?;
+        Mission::new(legs, to_wire(start))
     };
-    let result = follow(&mut client, &mut mission, &mut run, &memory, output);
+    let desk = client.port_mut().name().map(StopDesk::open);
+    let result = follow(&mut client, &mut mission, &mut run, (&memory, desk.as_ref()), output);
     let begun = mission.has_begun();
     if begun && result.is_err() {
         memory.note(mission.progress(), output);
@@ -90,18 +110,84 @@ pub(crate) fn drive(
     Ok(Driven { run, error })
 }
 
+/// Which robot it is; one that does not answer is nobody known.
+fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliError> {
+    let mut exchange = Exchange::new(Request::Identify);
+    let answer = wait_for(client, interrupted, |client, now| match exchange.step(client, now) {
+        Err(ParameterError::Link(LinkError::NoAnswer(_))) => {
+            Ok(Some(Answer::Identity(Identity::default())))
+        }
+        result => result,
+    })?;
+    match answer {
+        Some(Answer::Identity(identity)) => Ok(identity),
+        _ => Err(interrupted_error("nothing has moved")),
+    }
+}
+
+/// What the wheels' own counts cannot show is said before a board drives that nobody has checked.
+fn warn_of_wiring(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    identity: Identity,
+    output: Output,
+) -> Result<(), CliError> {
+    let rests = client.telemetry().is_some_and(|last| last.state == State::Idle);
+    if identity.chip == 0 || client.port_mut().truth().is_some() || !rests {
+        return Ok(());
+    }
+    let simulated = client.robot().is_some_and(|robot| robot.board == Board::Simulated);
+    if !simulated && !params::read(client)?.wiring.has(Wiring::CHECKED) {
+        output.say(
+            "nobody has checked how this robot's motors and encoders are connected; if it spins or turns away, stop it and run wmr check base",
+        );
+    }
+    Ok(())
+}
+
+/// Where the robot begins a plan: where it knows itself to stand, or else where the plan says.
+///
+/// # Errors
+/// If that is somewhere else than where the plan begins.
+fn begin(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    identity: Identity,
+    Beginning { start, tolerance }: Beginning,
+) -> Result<Pose, CliError> {
+    let Some(tolerance) = tolerance.filter(|_| identity.placed) else { return Ok(start) };
+    wait_for_pose(client)?;
+    let Some(telemetry) = client.telemetry() else { return Ok(start) };
+    let stands = from_wire(telemetry.pose);
+    standing::check(stands, start, tolerance).map_err(|error| {
+        let Pose { position: Point { x, y }, heading } = stands;
+        let help = format!(
+            "plan anew from where it stands, with --start {x:.3},{y:.3},{:.1}; or, if it was carried back to the plan's start, say --from-start",
+            heading.to_degrees()
+        );
+        CliError::new(Exit::Robot, "robot.elsewhere", error, help)
+    })?;
+    // A photo is newer than what the wheels have counted; a written start is not.
+    Ok(if tolerance == Tolerance::WRITTEN { stands } else { start })
+}
+
+/// A pose as the wire has it.
+fn to_wire(pose: Pose) -> motion::Pose {
+    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
+}
+
 /// Drives the mission to its end, and records how.
 fn follow(
     client: &mut LinkClient<Box<dyn Endpoint>>,
     mission: &mut Mission,
     run: &mut Run,
-    memory: &Memory,
+    (memory, desk): (&Memory, Option<&StopDesk>),
     output: Output,
 ) -> Result<(), CliError> {
+    let asked = || desk.is_some_and(StopDesk::asked);
     let progress = output.progress(run.legs.len() as u64);
     progress.set_position(run.first.into());
     let mut clock = RunClock::default();
-    link::drive::drive(client, mission, interrupted, |event, mission| {
+    let stop = || interrupted() || asked();
+    let result = link::drive::drive(client, mission, stop, |event, mission| {
         match event {
         DriveEvent::PortLost => output.say(&format!(
             "the port is gone, so the robot stops and waits; plug it in again within {} s and it goes on",
@@ -118,9 +204,22 @@ fn follow(
             run.record(event, &mut clock);
         }
     }
-    })?;
+    });
     progress.finish_and_clear();
-    Ok(())
+    match result {
+        Ok(_) => Ok(()),
+        Err(DriveError::Stopped) if asked() => {
+            if let Some(desk) = desk {
+                desk.confirm();
+            }
+            Err(if interrupted() {
+                DriveError::Stopped.into()
+            } else {
+                MissionError::Stopped.into()
+            })
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Polls until the robot has said where it is; if it rolls on after a restart, where it comes to rest.
@@ -128,22 +227,29 @@ fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliEr
     let rolls = |telemetry: &Telemetry| {
         telemetry.state == State::Idle && telemetry.wheels != WheelSpeeds::default()
     };
-    wait_for(
-        client,
-        || false,
-        |client, now| {
-            client.poll(now)?;
-            Ok::<_, LinkError>(client.telemetry().filter(|telemetry| !rolls(telemetry)).copied())
-        },
-    )?;
-    Ok(())
+    let give_up = client.heard() + STOP_TIMEOUT;
+    let rests = wait_for(client, interrupted, |client, now| {
+        client.poll(now)?;
+        if client.heard() > give_up {
+            return Err(match client.telemetry() {
+                Some(_) => MissionError::NeverRests(STOP_TIMEOUT),
+                None => LinkError::NoTelemetry(STOP_TIMEOUT).into(),
+            });
+        }
+        Ok(client.telemetry().filter(|telemetry| !rolls(telemetry)).copied())
+    })?;
+    rests.map(|_| ()).ok_or_else(|| interrupted_error("nothing has moved"))
 }
 
 /// Says hello until the robot answers; who it is.
 pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<RobotHello, CliError> {
     let robot = wait_for(client, interrupted, |client, now| {
         client.poll(now)?;
-        Ok::<_, LinkError>(client.robot().copied())
+        if client.port_mut().is_turned_away() {
+            let name = client.port_mut().name().unwrap_or_default().to_owned();
+            return Err(PortError::Busy { name }.into());
+        }
+        Ok::<_, CliError>(client.robot().copied())
     })?;
     robot.ok_or_else(|| interrupted_error("nothing has moved"))
 }
@@ -156,9 +262,13 @@ impl From<DriveError> for CliError {
     fn from(error: DriveError) -> Self {
         match error {
             DriveError::Mission(error) => error.into(),
-            DriveError::Stopped | DriveError::StopUnconfirmed => {
-                interrupted_error(&error.to_string())
-            }
+            DriveError::Stopped => interrupted_error(&error.to_string()),
+            DriveError::StopUnconfirmed => Self::new(
+                Exit::Link,
+                "link.stop_unconfirmed",
+                error,
+                "look whether it stands; if it does not, pull its cable or switch off its battery",
+            ),
         }
     }
 }

@@ -5,8 +5,10 @@
 //! ```
 
 pub(crate) mod args;
+mod bug;
 mod calibrate;
 mod calibrate_camera;
+mod check;
 pub(crate) mod demo;
 pub(crate) mod detect;
 mod detect_pair;
@@ -28,9 +30,10 @@ pub(crate) mod run;
 #[cfg(feature = "dashboard")]
 mod serve;
 mod sim;
+mod stop_desk;
 pub(crate) mod way;
 
-use args::{CalibrateCommand, Cli, Command};
+use args::{CalibrateCommand, CheckCommand, Cli, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
 use error::{CliError, Exit};
@@ -39,6 +42,15 @@ use std::process::ExitCode;
 
 /// Runs the command that the process was started with.
 pub(crate) fn run() -> ExitCode {
+    bug::guard(json_asked(), run_command)
+}
+
+/// Whether the words ask for a document, understood or not.
+fn json_asked() -> bool {
+    std::env::args_os().any(|word| word == "--json")
+}
+
+fn run_command() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return refuse(&error),
@@ -60,6 +72,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Params(args) => params::run(args, output),
         Command::Calibrate(CalibrateCommand::Base(args)) => calibrate::base(args, output),
         Command::Calibrate(CalibrateCommand::Camera(args)) => calibrate_camera::run(args, output),
+        Command::Check(CheckCommand::Base(args)) => check::base(args, output),
         Command::Stop(args) => ports::stop(args, output),
     };
     match result {
@@ -73,7 +86,7 @@ pub(crate) fn run() -> ExitCode {
 
 /// Says what is wrong with the words themselves; help and version are not wrong.
 fn refuse(error: &clap::Error) -> ExitCode {
-    let json = std::env::args().any(|word| word == "--json");
+    let json = json_asked();
     if json && !matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         let text = error.render().to_string();
         // The first paragraph says what is wrong, on several lines if it lists arguments.

@@ -2,6 +2,10 @@
 
 use super::error::{CliError, Exit};
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether standard output has its document: there is never a second one.
+static HAS_DOCUMENT: AtomicBool = AtomicBool::new(false);
 
 /// How a command speaks.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +49,7 @@ impl Output {
 
     /// Prints an error.
     pub(crate) fn error(self, error: &CliError) {
-        if self.json && !error.after_result {
+        if self.json && !error.after_result && !HAS_DOCUMENT.load(Ordering::Relaxed) {
             // There is no other place for it.
             let _ = print_line(&to_json(&error.json()));
         } else {
@@ -71,6 +75,7 @@ fn to_json(document: &impl serde::Serialize) -> String {
 
 fn print_line(line: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
+    HAS_DOCUMENT.store(true, Ordering::Relaxed);
     match writeln!(out, "{line}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
         _ => Ok(()),

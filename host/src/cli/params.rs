@@ -33,7 +33,7 @@ pub(crate) fn change(text: &str) -> Result<Change, String> {
 }
 
 fn place(name: &str) -> Result<usize, String> {
-    let names = || FIELDS.map(|field| field.name).join(", ");
+    let names = || FIELDS.each_ref().map(|field| field.name).join(", ");
     let found = FIELDS.iter().position(|field| field.name == name.trim());
     found.ok_or_else(|| format!("there is no {name:?}; there are {}", names()))
 }
@@ -95,13 +95,17 @@ pub(crate) fn keep(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), Cli
 fn parameters_of(answer: Answer) -> Result<Parameters, CliError> {
     match answer {
         Answer::Parameters(parameters) => Ok(parameters),
-        Answer::Kept => {
+        Answer::Kept | Answer::Identity(_) | Answer::Turned(_) => {
             Err(CliError::new(Exit::Bug, "bug", "an answer to no question", "report it"))
         }
     }
 }
 
-fn ask(client: &mut LinkClient<Box<dyn Endpoint>>, request: Request) -> Result<Answer, CliError> {
+/// One question and its answer.
+pub(crate) fn ask(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    request: Request,
+) -> Result<Answer, CliError> {
     let mut exchange = Exchange::new(request);
     let answer = wait_for(client, mission::interrupted, |client, now| exchange.step(client, now))?;
     answer.ok_or_else(|| mission::interrupted_error("nothing has moved"))

@@ -5,13 +5,12 @@ use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
 use super::error::CliError;
 use super::output::Output;
 use super::run;
-use super::{mission, params};
+use super::{mission, params, stop_desk};
 use hil_sim::base::TruePose;
-use protocol::message::State;
 use serde_json::{Value, json};
-use std::time::Duration;
 use wmr::legs;
-use wmr::link::{LinkClient, LinkError, port};
+use wmr::link::drive::DriveError;
+use wmr::link::{self, LinkClient, port};
 
 /// `wmr ports`.
 pub(crate) fn list(output: Output) -> Result<(), CliError> {
@@ -44,6 +43,7 @@ pub(crate) fn list(output: Output) -> Result<(), CliError> {
 
 /// `wmr info`.
 pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
+    mission::catch_interrupts();
     let mut client = open_client(&args.port)?;
     let robot = mission::connect(&mut client)?;
     let ([major, minor, patch], limits) = (robot.firmware, robot.limits);
@@ -72,23 +72,21 @@ pub(crate) fn info(args: &PortArgs, output: Output) -> Result<(), CliError> {
 /// `wmr stop`.
 pub(crate) fn stop(args: &PortArgs, output: Output) -> Result<(), CliError> {
     mission::catch_interrupts();
+    // Whoever drives it has its port.
+    match stop_desk::ask(&args.port) {
+        stop_desk::Answer::Nobody => {}
+        stop_desk::Answer::Stopped => {
+            let document = json!({"state": "stopped", "by": "the program that drove it"});
+            return output.result(&document, "stopped by the program that drove it");
+        }
+        stop_desk::Answer::Unconfirmed => return Err(DriveError::StopUnconfirmed.into()),
+    }
     let mut client = open_client(&args.port)?;
     mission::connect(&mut client)?;
-    client.stop();
-    loop {
-        let now = client.port_mut().now();
-        client.poll(now)?;
-        if let Some(telemetry) = client.telemetry()
-            && matches!(telemetry.state, State::Stopped | State::Faulted(_))
-        {
-            let pose = legs::from_wire(telemetry.pose);
-            return output.result(
-                &json!({"state": run::state_name(telemetry.state), "pose": pose}),
-                "stopped",
-            );
-        }
-        client.port_mut().wait(Duration::from_millis(2)).map_err(LinkError::from)?;
-    }
+    let stopped = link::drive::stop(&mut client, mission::interrupted)?;
+    let pose = legs::from_wire(stopped.pose);
+    let document = json!({"state": run::state_name(stopped.state), "pose": pose});
+    output.result(&document, "stopped")
 }
 
 /// A link to whoever is behind the port of that name, on an endless floor if simulated.

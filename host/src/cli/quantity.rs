@@ -111,6 +111,15 @@ pub(crate) fn place(text: &str) -> Result<Goal, String> {
     Ok(Goal { position: Point::new(length(x)?, length(y)?), heading })
 }
 
+/// A distance and an angle from `20mm,3deg`.
+pub(crate) fn offset(text: &str) -> Result<(f64, f64), String> {
+    let parts = text.split_once(',').and_then(|(far, turned)| {
+        let far = length(far.trim()).ok().filter(|far| *far >= 0.0)?;
+        Some((far, angle(turned.trim()).ok()?))
+    });
+    parts.ok_or_else(|| format!("{text:?}: write a distance and an angle, such as 20mm,3deg"))
+}
+
 /// Four corners from `x,y x,y x,y x,y`, pixels.
 pub(crate) fn corners(text: &str) -> Result<[[f64; 2]; 4], String> {
     if let Some(shape) =

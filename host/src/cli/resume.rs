@@ -9,23 +9,28 @@
 //! it says of itself is the way that it rolled on. What it rolled between its last word and its restart
 //! nobody knows: some 20 ms, 8 mm at the default robot's full speed, and the time of the restart itself.
 //!
-//! One small file a plan lies in the user's state folder for as long as the plan is not driven to its
+//! One small file a plan and robot lies in the user's state folder for as long as the plan is not driven to its
 //! end. Metres and radians, arena frame.
 
 use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::mission::place;
 use super::output::Output;
+use protocol::message::Identity;
 use protocol::motion::{self, Leg};
 use serde::{Deserialize, Serialize};
 use std::env;
 use std::fs;
+use std::io::Read;
 use std::path::PathBuf;
 use wmr::geometry::Pose;
 use wmr::legs::from_wire;
 use wmr::link::LinkClient;
 use wmr::link::mission::{Mission, Progress};
 use wmr::link::resume::{ResumeError, after_restart, check_beside_leg};
+
+/// No note is longer, bytes.
+const LONGEST_NOTE: u64 = 4096;
 
 /// What is written down of a mission.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +44,9 @@ struct Note {
     pose: Pose,
     /// The start of the robot that drove it.
     boot: u32,
+    /// The robot that drove it; 0 if it has no number.
+    #[serde(default)]
+    chip: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -55,23 +63,33 @@ pub(crate) struct Memory {
     plan: u32,
     legs: usize,
     boot: u32,
+    chip: u64,
 }
 
 impl Memory {
     /// The memory of a mission of which nothing is to be remembered.
     pub(crate) fn none() -> Self {
-        Self { file: None, plan: 0, legs: 0, boot: 0 }
+        Self { file: None, plan: 0, legs: 0, boot: 0, chip: 0 }
     }
 
     /// The memory of `legs` on the robot that `client` has greeted.
-    pub(crate) fn of(client: &mut LinkClient<Box<dyn Endpoint>>, legs: &[Leg]) -> Self {
+    pub(crate) fn of(
+        client: &mut LinkClient<Box<dyn Endpoint>>,
+        legs: &[Leg],
+        identity: Identity,
+    ) -> Self {
         let plan = legs.first().map_or(0, |leg| leg.plan);
-        let file = folder().map(|folder| folder.join(format!("{plan:08x}.json")));
+        let name = match identity.chip {
+            0 => format!("{plan:08x}.json"),
+            chip => format!("{plan:08x}-{chip:016x}.json"),
+        };
+        let file = state_folder().map(|folder| folder.join(name));
         Self {
             file: file.filter(|_| client.port_mut().outlives_the_program()),
             plan,
             legs: legs.len(),
             boot: client.robot().map_or(0, |robot| robot.nonce),
+            chip: identity.chip,
         }
     }
 
@@ -79,7 +97,9 @@ impl Memory {
     pub(crate) fn note(&self, progress: Progress, output: Output) {
         let Some(file) = &self.file else { return };
         let (format, pose) = (NoteFormat::Resume, from_wire(progress.pose));
-        let note = Note { format, plan: self.plan, next: progress.next, pose, boot: self.boot };
+        let chip = self.chip;
+        let note =
+            Note { format, plan: self.plan, next: progress.next, pose, boot: self.boot, chip };
         let written = serde_json::to_vec(&note).map_err(Into::into).and_then(|bytes| {
             file.parent().map_or(Ok(()), fs::create_dir_all)?;
             // Whole or not at all, whenever this program may be killed.
@@ -158,9 +178,16 @@ impl Memory {
     }
 
     fn read(&self) -> Option<Note> {
-        let bytes = fs::read(self.file.as_ref()?).ok()?;
+        // A note is a hundred bytes; what is longer is none.
+        let mut bytes = Vec::new();
+        fs::File::open(self.file.as_ref()?)
+            .ok()?
+            .take(LONGEST_NOTE)
+            .read_to_end(&mut bytes)
+            .ok()?;
         let note: Note = serde_json::from_slice(&bytes).ok()?;
-        let fits = note.plan == self.plan && usize::from(note.next) <= self.legs;
+        let fits =
+            note.plan == self.plan && note.chip == self.chip && usize::from(note.next) <= self.legs;
         fits.then_some(note)
     }
 
@@ -195,8 +222,9 @@ fn cannot(code: &str, message: impl std::fmt::Display, help: &str) -> CliError {
 }
 
 /// Where programs keep what a user would not miss: after the XDG base directories, or as Windows has it.
-fn folder() -> Option<PathBuf> {
-    let set = |name| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+pub(crate) fn state_folder() -> Option<PathBuf> {
+    // The XDG rule: what is not absolute is passed over.
+    let set = |name| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let home = || set("HOME").map(|home| home.join(".local").join("state"));
     let base = set("XDG_STATE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(home)?;
     Some(base.join("wmr"))

@@ -94,8 +94,8 @@ impl Run {
 
     /// How long the legs took, seconds of the robot's clock.
     pub(crate) fn duration(&self) -> f64 {
-        let ticks: u32 = self.results.iter().map(|result| result.ticks).sum();
-        f64::from(ticks) * f64::from(motion::TICK_MILLISECONDS) / 1000.0
+        let ticks: f64 = self.results.iter().map(|result| f64::from(result.ticks)).sum();
+        ticks * f64::from(motion::TICK_MILLISECONDS) / 1000.0
     }
 
     /// Where the robot really is if somebody knows, else where it believes to be.

@@ -50,7 +50,7 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
     };
     match &args.elf {
         Some(elf) => serve(world, EmulatedPico::spawn(elf)?, args, output),
-        None => serve(world, InProcess::default(), args, output),
+        None => serve(world, InProcess::numbered(args.seed), args, output),
     }
 }
 
@@ -72,7 +72,20 @@ fn serve<B: Firmware>(
     }
     let base = BaseParameters::seeded(args.seed);
     let mut simulation = world.with(firmware, base);
-    realtime::run(&mut simulation, &mut port, |_| !mission::interrupted()).map_err(failed)?;
+    let mut collisions = 0;
+    realtime::run(&mut simulation, &mut port, |simulation| {
+        let truth = simulation.truth();
+        let now = truth.collision_log.map_or(0, |log| log.collisions);
+        if now > collisions {
+            collisions = now;
+            output.say(&format!(
+                "collision {now}: the robot overlaps an obstacle or the border at {}",
+                true_place(&truth)
+            ));
+        }
+        !mission::interrupted()
+    })
+    .map_err(failed)?;
     report(&simulation.truth(), output)
 }
 
@@ -152,6 +165,10 @@ fn accept(address: &str, output: Output) -> Result<Option<TcpStream>, CliError> 
     Ok(None)
 }
 
+fn true_place(truth: &Truth) -> String {
+    place(Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
+}
+
 fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
     let pose = Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading);
     let mut document = json!({"true_pose": pose});
@@ -159,5 +176,10 @@ fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
         fields.insert("collisions".into(), json!(collision_log.collisions));
         fields.insert("min_clearance".into(), json!(collision_log.min_clearance));
     }
-    output.result(&document, &format!("the robot ended at {}", place(pose)))
+    let mut text = format!("the robot ended at {}", place(pose));
+    if let Some(log) = truth.collision_log {
+        text +=
+            &format!("\n{}", super::drive::describe_collisions(log.collisions, log.min_clearance));
+    }
+    output.result(&document, &text)
 }

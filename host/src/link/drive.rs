@@ -5,9 +5,9 @@
 //! [`wait_for`] is the same loop for anything else that a robot answers. Time is the port's own, so a
 //! simulated port runs as fast as it can. Seconds as [`Duration`]s.
 
-use super::mission::{Mission, MissionEvent};
+use super::mission::{Mission, MissionEvent, has_stopped};
 use super::{LinkClient, LinkError, MissionError, RECEIVE_TIMEOUT};
-use protocol::message::Command;
+use protocol::message::{Command, Telemetry};
 use protocol::motion::Pose;
 use std::io::{self, Read, Write};
 use std::time::Duration;
@@ -153,6 +153,28 @@ pub fn drive_as_wished<P: TimedPort>(
     }
 }
 
+/// Stops the robot; what it says of itself once it rests. `cancelled` ends the wait for that.
+///
+/// # Errors
+/// [`DriveError::StopUnconfirmed`] if it does not say so within [`STOP_TIMEOUT`].
+pub fn stop<P: TimedPort>(
+    client: &mut LinkClient<P>,
+    cancelled: impl Fn() -> bool,
+) -> Result<Telemetry, DriveError> {
+    client.stop();
+    let give_up = client.port_mut().now() + STOP_TIMEOUT;
+    let rests = wait_for(client, cancelled, |client, now| {
+        client.poll(now)?;
+        let (_, heard) = client.last_stop();
+        match client.telemetry().filter(|last| heard && has_stopped(last)) {
+            Some(telemetry) => Ok(Some(*telemetry)),
+            None if now > give_up => Err(DriveError::StopUnconfirmed),
+            None => Ok(None),
+        }
+    })?;
+    rests.ok_or(DriveError::StopUnconfirmed)
+}
+
 /// Steps until `step` has a result; `None` if `cancelled` says so first. `step` gets the port's time.
 ///
 /// # Errors
@@ -171,6 +193,12 @@ pub fn wait_for<P: TimedPort, T, E: From<LinkError>>(
             return Ok(None);
         }
         client.port_mut().wait(POLL_INTERVAL).map_err(LinkError::from)?;
+    }
+}
+
+impl From<LinkError> for DriveError {
+    fn from(error: LinkError) -> Self {
+        MissionError::from(error).into()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a link cannot be used, and why a mission did not reach its goal: what happened, with its values.
 
-use protocol::message::{Fault, PlanRefusal, ResetCause};
-use protocol::motion::{Infeasible, Refusal};
+use protocol::message::{Fault, PauseReason, PlanRefusal, ResetCause, State};
+use protocol::motion::{Infeasible, Pose, Refusal};
 use std::io;
 use std::time::Duration;
 
@@ -41,6 +41,15 @@ pub enum LinkError {
         /// This program's.
         host: (u16, u64),
     },
+    /// The robot acknowledges, and does not answer.
+    #[error("the robot is heard and hears, but gave no answer for {0:?}")]
+    NoAnswer(Duration),
+    /// The robot is heard, but does not say where it is and what it does.
+    #[error("the robot is heard, but said nothing of itself for {0:?}")]
+    NoTelemetry(Duration),
+    /// The robot is heard, and says the same moment again and again.
+    #[error("the robot is heard, but its clock has stood still for {0:?}")]
+    ClockStopped(Duration),
     /// The robot began anew, so it has forgotten its plan.
     #[error("the robot has restarted: {}; it is at rest and has forgotten the plan", .0.explanation())]
     Restarted(ResetCause),
@@ -62,9 +71,53 @@ pub enum MissionError {
     /// The robot stopped by itself.
     #[error("the robot stopped by itself: {}", .0.explanation())]
     Fault(Fault),
+    /// The robot stopped, or refuses to begin, because its battery is empty.
+    #[error("the battery is empty{}", volts.map_or(String::new(), |volts| format!(" ({volts:.1} V)")))]
+    BatteryEmpty {
+        /// The voltage that the robot measures, if it said so.
+        volts: Option<f32>,
+    },
     /// The robot was told to stop.
     #[error("the robot was told to stop and has stopped")]
     Stopped,
+    /// The robot says that it does not drive, though it has taken the plan and not said that it ended.
+    #[error("the robot took the plan, but says that it {} for {since:?}", describe_state(.state))]
+    NotDriving {
+        /// What it does.
+        state: State,
+        /// For how long.
+        since: Duration,
+    },
+    /// A leg takes far longer than planned.
+    #[error("leg {} is planned to take {planned:.1?}, and has not ended after {driven:.1?}", u32::from(*.leg) + 1)]
+    Late {
+        /// The leg, counted from 0.
+        leg: u16,
+        /// How long it should take.
+        planned: Duration,
+        /// How long the robot says that it has driven it.
+        driven: Duration,
+    },
+    /// A stop is heard, and the wheels go on turning.
+    #[error("the robot has heard the stop, but its wheels do not rest after {0:?}")]
+    NeverRests(Duration),
+    /// What the robot reports as the end is not what it says of itself afterwards.
+    #[error(
+        "the robot reported the plan's end, but says that it {} at ({:.3}, {:.3}) m",
+        describe_state(.state), .pose.x.0, .pose.y.0
+    )]
+    Disagrees {
+        /// Where it says that it is.
+        pose: Pose,
+        /// What it says that it does.
+        state: State,
+    },
+    /// The robot reports what cannot be.
+    #[error("the robot reports what cannot be: {0}")]
+    Impossible(Impossible),
+    /// What the robot says of itself in hello allows no plan.
+    #[error("the robot cannot drive any plan: {0}")]
+    Unfit(Unfit),
     /// The rest of the plan was cancelled.
     #[error("the plan was cancelled; it ended after {legs} legs")]
     Cancelled {
@@ -79,6 +132,72 @@ pub enum MissionError {
         /// As many as there are numbers.
         most: u16,
     },
+}
+
+/// A report that contradicts the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Impossible {
+    /// A leg out of its turn, or one that the plan does not have.
+    #[error("the end of leg {}, when leg {} of {of} was to end next", u32::from(*.leg) + 1, u32::from(*.next) + 1)]
+    Leg {
+        /// The leg reported, counted from 0.
+        leg: u16,
+        /// The one whose turn it was.
+        next: u16,
+        /// Legs of the plan.
+        of: usize,
+    },
+    /// The end of the plan, without the ends of its legs.
+    #[error("the end of the plan after {end} legs, when {next} of {of} had ended")]
+    End {
+        /// Legs after which the plan has ended, as reported.
+        end: u16,
+        /// Legs whose end was reported.
+        next: u16,
+        /// Legs of the plan.
+        of: usize,
+    },
+    /// Legs that took longer than the robot's own clock went on.
+    #[error("legs that took {legs:?} within {since:?} of its own clock")]
+    Time {
+        /// All legs together.
+        legs: Duration,
+        /// Since it took the plan.
+        since: Duration,
+    },
+}
+
+/// What is wrong with a robot's description of itself.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// It has no room for legs.
+    #[error("it has room for no leg at all")]
+    NoRoom,
+    /// A number of its limits is none, or far from any robot's.
+    #[error("its {name} is {value:?} {unit}, and must be from {least} to {most}")]
+    Limit {
+        /// Which.
+        name: &'static str,
+        /// What it says.
+        value: f32,
+        /// The unit.
+        unit: &'static str,
+        /// The least that makes sense.
+        least: f32,
+        /// The most.
+        most: f32,
+    },
+}
+
+fn describe_state(state: &State) -> &'static str {
+    match state {
+        State::Idle => "is idle",
+        State::Driving => "drives",
+        State::Paused(PauseReason::Silence) => "waits for a word from this program",
+        State::Paused(PauseReason::Command) => "is held by another program",
+        State::Stopped => "is stopped",
+        State::Faulted(_) => "has a fault",
+    }
 }
 
 fn describe(refusal: &PlanRefusal) -> String {

@@ -9,13 +9,15 @@
 //! queue never runs dry for want of a round trip. Which legs have ended is known at every moment, and
 //! a mission that was cut short can be resumed behind them.
 
-use super::LinkClient;
 pub use super::MissionError;
+use super::arrival::Arrival;
+use super::watch::{Awaited, Watch, braking_ticks};
+use super::{Impossible, LinkClient, check_robot};
 use protocol::message::{
-    Command, Driven, LegResult, PauseReason, Placement, PlanHeader, PlanRefusal, Report,
-    RobotHello, State, Telemetry, plan_digest,
+    BatteryLevel, BatteryReport, Command, Driven, Fault, LegResult, PauseReason, Placement,
+    PlanHeader, PlanRefusal, Report, RobotHello, State, Telemetry, plan_digest,
 };
-use protocol::motion::{Leg, Pose};
+use protocol::motion::{Leg, Limits, Pose};
 use std::collections::VecDeque;
 use std::io::{Read, Write};
 use std::time::Duration;
@@ -34,6 +36,9 @@ const MOST_CLEARINGS: u32 = 10;
 /// After a vain attempt the robot is given so long, control ticks: its wheels may stand already while
 /// it still brings them to where they should, for 0.3 s.
 const CLEARING_TICKS: u32 = 20;
+
+/// A robot that still waits so long after it was told to go on is told again, control ticks: 0.5 s.
+const RESUME_TICKS: u32 = 100;
 
 /// What happens on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,8 +95,14 @@ pub struct Mission {
     clearings: u32,
     /// When the robot last refused to be cleared, control ticks of its clock.
     refused: Option<u32>,
-    resume_asked: bool,
+    /// When the robot was last asked to go on after its silence, control ticks.
+    resume_asked: Option<u32>,
     ticks: Option<u32>,
+    limits: Option<Limits>,
+    battery: Option<BatteryReport>,
+    arrival: Arrival,
+    watch: Watch,
+    done: bool,
 }
 
 impl Mission {
@@ -124,8 +135,13 @@ impl Mission {
             own_stop: 0,
             clearings: 0,
             refused: None,
-            resume_asked: false,
+            resume_asked: None,
             ticks: None,
+            limits: None,
+            battery: None,
+            arrival: Arrival::default(),
+            watch: Watch::default(),
+            done: false,
         }
     }
 
@@ -163,8 +179,48 @@ impl Mission {
                 self.progress.pose = telemetry.pose;
             }
             events.push(MissionEvent::Telemetry(*telemetry));
+            let own = self.accepted.filter(|_| !self.knows_pose);
+            events.extend(self.arrival.confirm(telemetry, own)?.map(MissionEvent::Done));
         }
+        self.done |= events.iter().any(|event| matches!(event, MissionEvent::Done(_)));
+        self.watch_over(client)?;
         Ok(events)
+    }
+
+    /// Makes sure that a robot that talks also gets on.
+    fn watch_over<P: Read + Write>(&mut self, client: &LinkClient<P>) -> Result<(), MissionError> {
+        let stopping = self.phase != Phase::Greeting && self.own_stop != client.last_stop().0;
+        if client.robot().is_none() || self.done || stopping {
+            return Ok(());
+        }
+        let next = self.progress.next;
+        let awaited = match (self.phase, &self.limits) {
+            (Phase::Halting, Some(limits)) => Awaited::Rest { braking: braking_ticks(limits) },
+            (Phase::Driving, _) if self.arrival.awaited().is_some() => Awaited::Agreement,
+            (Phase::Driving, Some(limits)) if self.accepted.is_some() => {
+                let leg = self.legs.get(usize::from(next));
+                Awaited::Leg { next, planned: leg.map_or(0, |leg| leg.ticks(limits)) }
+            }
+            _ => Awaited::Answer,
+        };
+        let busy = !self.commands.is_empty() || client.unacknowledged() > 0;
+        let flags = (busy, client.pause_wanted());
+        self.watch.observe(awaited, client.telemetry(), client.heard(), flags).map_err(|error| {
+            match error {
+                MissionError::Fault(fault) => self.fault(fault),
+                error => error,
+            }
+        })
+    }
+
+    /// A fault, with the voltage if it is the battery's.
+    fn fault(&self, fault: Fault) -> MissionError {
+        match fault {
+            Fault::Battery => {
+                MissionError::BatteryEmpty { volts: self.battery.map(|battery| battery.volts) }
+            }
+            fault => MissionError::Fault(fault),
+        }
     }
 
     fn advance<P: Read + Write>(
@@ -224,7 +280,8 @@ impl Mission {
         self.commands.clear();
         let (_, heard) = client.last_stop();
         let rests = client.telemetry().is_some_and(has_stopped);
-        if self.accepted.is_none() && heard && rests { Err(MissionError::Stopped) } else { Ok(()) }
+        let no_report_follows = self.accepted.is_none() || self.arrival.awaited().is_some();
+        if no_report_follows && heard && rests { Err(MissionError::Stopped) } else { Ok(()) }
     }
 
     fn greet<P: Read + Write>(
@@ -244,7 +301,9 @@ impl Mission {
             return Ok(());
         }
         events.push(MissionEvent::Connected(robot));
+        check_robot(&robot)?;
         self.check_legs(&robot)?;
+        self.limits = Some(robot.limits);
         self.max_legs = usize::from(robot.max_legs);
         if let Some(driven) = driven {
             self.knows_pose = true;
@@ -316,20 +375,33 @@ impl Mission {
     }
 
     /// A robot that waits because nobody was heard hears somebody now; only what the user has paused
-    /// stays so.
+    /// stays so. It is asked again where it fell silent a second time unseen.
     fn go_on_after_silence<P: Read + Write>(&mut self, client: &mut LinkClient<P>) {
         let waits = client
             .telemetry()
-            .is_some_and(|telemetry| telemetry.state == State::Paused(PauseReason::Silence));
-        if waits && !self.resume_asked && !client.pause_wanted() {
-            self.resume_asked = client.send(Command::Resume);
-        } else if !waits {
-            self.resume_asked = false;
+            .filter(|last| last.state == State::Paused(PauseReason::Silence))
+            .map(|last| last.ticks);
+        let Some(now) = waits else {
+            self.resume_asked = None;
+            return;
+        };
+        let due = self.resume_asked.is_none_or(|asked| now.wrapping_sub(asked) >= RESUME_TICKS);
+        if due && !client.pause_wanted() && client.send(Command::Resume) {
+            self.resume_asked = Some(now);
         }
     }
 
     fn hear(&mut self, report: Report) -> Result<Option<MissionEvent>, MissionError> {
         match report {
+            Report::Battery(battery) => {
+                self.battery = Some(battery);
+                Ok(None)
+            }
+            Report::PlanRefused { reason: PlanRefusal::NotCleared, .. }
+                if self.battery.is_some_and(|battery| battery.level == BatteryLevel::Empty) =>
+            {
+                Err(self.fault(Fault::Battery))
+            }
             Report::PlanRefused { reason: PlanRefusal::NotCleared, .. }
                 if self.accepted.is_none() && self.clearings < MOST_CLEARINGS =>
             {
@@ -356,21 +428,35 @@ impl Mission {
                 Ok(None)
             }
             Report::LegDone(result) if result.plan == self.plan => {
+                let (next, of) = (self.progress.next, self.legs.len());
+                let ended =
+                    self.arrival.end_leg(result.index, (next, of), result.ticks, self.knows_pose);
+                if !ended.map_err(MissionError::Impossible)? {
+                    return Ok(None);
+                }
                 self.progress = Progress { next: result.index + 1, pose: result.pose };
                 Ok(Some(MissionEvent::LegDone(result)))
             }
             Report::PlanDone { plan, end, pose } if plan == self.plan => {
+                let (next, of) = (self.progress.next, self.legs.len());
+                let passed = self.knows_pose && end > next && usize::from(end) <= of;
+                if end != next && !passed {
+                    return Err(MissionError::Impossible(Impossible::End { end, next, of }));
+                }
                 self.progress = Progress { next: end, pose };
                 if end < self.accepted_end {
                     return Err(MissionError::Cancelled { legs: end });
                 }
                 // The robot may have run dry while the next legs are on their way.
-                Ok(self.is_behind_all_legs().then_some(MissionEvent::Done(pose)))
+                if self.is_behind_all_legs() {
+                    self.arrival.end_plan(pose);
+                }
+                Ok(None)
             }
             Report::PlanStopped { plan, next, state, pose } if plan == self.plan => {
                 self.progress = Progress { next, pose };
                 Err(match state {
-                    State::Faulted(fault) => MissionError::Fault(fault),
+                    State::Faulted(fault) => self.fault(fault),
                     _ => MissionError::Stopped,
                 })
             }
@@ -385,7 +471,7 @@ fn is_fresh(telemetry: &Telemetry, since: u32) -> bool {
 }
 
 /// Whether a stop or fault is over and can be cleared.
-fn has_stopped(telemetry: &Telemetry) -> bool {
+pub(super) fn has_stopped(telemetry: &Telemetry) -> bool {
     matches!(telemetry.state, State::Stopped | State::Faulted(_))
         && telemetry.wheels.left.0 == 0.0
         && telemetry.wheels.right.0 == 0.0

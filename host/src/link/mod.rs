@@ -6,18 +6,23 @@
 //! [`LinkClient`] keeps the session; [`mission::Mission`] brings one plan to its end. Both are driven by
 //! [`LinkClient::poll`] with the time as an argument, so they run alike on a wire and in a simulation.
 
+mod arrival;
 pub mod clock;
 pub mod drive;
 mod error;
+mod fitness;
 pub mod mission;
 pub mod parameters;
 pub mod port;
 pub mod reopening;
 pub mod resume;
+pub mod standing;
 mod stop;
 mod usb;
+mod watch;
 
-pub use error::{LinkError, MissionError};
+pub use error::{Impossible, LinkError, MissionError, Unfit};
+pub use fitness::check_robot;
 
 use clock::RobotClock;
 use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
@@ -46,6 +51,10 @@ const ACK_TIMEOUT: Duration = Duration::from_secs(1);
 /// says nothing about the robot, whose words may still be on their way, so no timer counts it.
 const LONGEST_GAP: Duration = Duration::from_millis(100);
 
+/// Reads of one poll, 4 kB each at most: a peer that sends as fast as it is read must not keep the
+/// timers, the heartbeats and the user's stop waiting. A read that finds nothing takes 1 ms.
+const MOST_READS: usize = 16;
+
 /// What became of frames on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkStatistics {
@@ -72,6 +81,7 @@ pub struct LinkClient<P> {
     started: Option<Milliseconds>,
     polled: Option<Duration>,
     away: Duration,
+    heard: Duration,
     sent: Option<Milliseconds>,
     stop: StopRequest,
     pause_wanted: bool,
@@ -96,6 +106,7 @@ impl<P: Read + Write> LinkClient<P> {
             started: None,
             polled: None,
             away: Duration::ZERO,
+            heard: Duration::ZERO,
             sent: None,
             stop: StopRequest::default(),
             pause_wanted: false,
@@ -134,6 +145,11 @@ impl<P: Read + Write> LinkClient<P> {
     /// The last that the robot said of itself.
     pub fn telemetry(&self) -> Option<&Telemetry> {
         self.telemetry.as_ref()
+    }
+
+    /// For how long, in all, the robot was there to be heard: silence does not count.
+    pub fn heard(&self) -> Duration {
+        self.heard
     }
 
     /// The robot's clock on the host's.
@@ -230,6 +246,9 @@ impl<P: Read + Write> LinkClient<P> {
         let clock = self.milliseconds(now);
         let started = *self.started.get_or_insert(clock);
         self.receive(now)?;
+        if self.robot.is_some() && self.session.silence(clock) <= LONGEST_GAP.as_millis() as u32 {
+            self.heard += gap.min(LONGEST_GAP);
+        }
         match &self.robot {
             None if clock.since(started) > HELLO_TIMEOUT.as_millis() as u32 => {
                 return Err(match (self.bytes, self.received) {
@@ -262,7 +281,8 @@ impl<P: Read + Write> LinkClient<P> {
 
     fn receive(&mut self, now: Duration) -> Result<(), LinkError> {
         let mut buffer = [0; 4096];
-        loop {
+        // What does not fit waits for the next poll.
+        for _ in 0..MOST_READS {
             let length = match self.port.read(&mut buffer) {
                 Ok(0) => return Ok(()),
                 Ok(length) => length,
@@ -274,10 +294,11 @@ impl<P: Read + Write> LinkClient<P> {
                 match self.decoder.push::<Report>(*byte) {
                     None => {}
                     Some(Ok((header, report))) => self.accept(&header, report, now)?,
-                    Some(Err(_)) => self.damaged += 1,
+                    Some(Err(_)) => self.damaged = self.damaged.saturating_add(1),
                 }
             }
         }
+        Ok(())
     }
 
     fn accept(&mut self, header: &Header, report: Report, now: Duration) -> Result<(), LinkError> {

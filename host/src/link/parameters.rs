@@ -1,4 +1,5 @@
-//! A robot's numbers over the link: read them, change them, have them kept in its flash.
+//! Questions to a robot over the link: its numbers (read them, change them, have them kept in its flash),
+//! who it is, and what happens when one of its wheels is turned.
 //!
 //! ```text
 //! request ─► command ═link═ report ─► answer
@@ -7,10 +8,13 @@
 //! refuses as a whole, and nothing has changed then.
 
 use super::{LinkClient, LinkError};
-use protocol::message::{Command, Report};
+use protocol::message::{Command, Identity, Report, Wheel};
 use protocol::parameters::{FIELDS, ParameterRefusal, Parameters};
 use std::io::{Read, Write};
 use std::time::Duration;
+
+/// A robot that is heard answers within this long; a flash page takes 0.4 s at worst.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// What is asked of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +25,10 @@ pub enum Request {
     Change(Parameters),
     /// To keep its numbers when it loses power.
     Keep,
+    /// Which robot it is.
+    Identify,
+    /// To turn one wheel a little.
+    Turn(Wheel),
 }
 
 /// What the robot answers.
@@ -30,6 +38,10 @@ pub enum Answer {
     Parameters(Parameters),
     /// They are in its flash.
     Kept,
+    /// Which robot it is.
+    Identity(Identity),
+    /// A wheel has turned; how far each encoder went on.
+    Turned([i32; 2]),
 }
 
 /// Why there is no answer.
@@ -47,13 +59,14 @@ pub enum ParameterError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange {
     request: Request,
-    sent: bool,
+    /// For how long the robot had been heard when the request was sent.
+    sent: Option<Duration>,
 }
 
 impl Exchange {
     /// Begins `request`.
     pub fn new(request: Request) -> Self {
-        Self { request, sent: false }
+        Self { request, sent: None }
     }
 
     /// One step at `now`, to be called every few milliseconds: polls `client`; the answer once it is
@@ -72,7 +85,14 @@ impl Exchange {
         if let Some(answer) = answers.next() {
             return answer.map(Some).map_err(ParameterError::Refused);
         }
-        self.sent = self.sent || client.send(self.command());
+        let heard = client.heard();
+        match self.sent {
+            Some(sent) if heard.saturating_sub(sent) > ANSWER_TIMEOUT => {
+                return Err(LinkError::NoAnswer(ANSWER_TIMEOUT).into());
+            }
+            Some(_) => {}
+            None => self.sent = client.send(self.command()).then_some(heard),
+        }
         Ok(None)
     }
 
@@ -81,17 +101,26 @@ impl Exchange {
             Request::Read => Command::GetParameters,
             Request::Change(parameters) => Command::SetParameters(parameters),
             Request::Keep => Command::SaveParameters,
+            Request::Identify => Command::Identify,
+            Request::Turn(wheel) => Command::TurnWheel { wheel },
         }
     }
 
     fn answer(&self, report: &Report) -> Option<Result<Answer, ParameterRefusal>> {
         match (self.request, report) {
-            _ if !self.sent => None,
+            _ if self.sent.is_none() => None,
             (Request::Read | Request::Change(_), Report::Parameters(parameters)) => {
                 Some(Ok(Answer::Parameters(*parameters)))
             }
             (Request::Keep, Report::ParametersSaved { .. }) => Some(Ok(Answer::Kept)),
-            (_, Report::ParametersRefused(refusal)) => Some(Err(*refusal)),
+            (Request::Identify, Report::Identity(identity)) => {
+                Some(Ok(Answer::Identity(*identity)))
+            }
+            (Request::Turn(_), Report::WheelTurned { counts }) => Some(Ok(Answer::Turned(*counts))),
+            (
+                Request::Read | Request::Change(_) | Request::Keep,
+                Report::ParametersRefused(refusal),
+            ) => Some(Err(*refusal)),
             _ => None,
         }
     }

@@ -63,7 +63,8 @@ const BAUD: u32 = 115_200;
 /// A read waits this long for a first byte.
 const READ_TIMEOUT: Duration = Duration::from_millis(1);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
-const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+/// A write waits this long for a peer that does not read; the program's timers wait with it.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 
 /// An open way to a robot.
 #[derive(Debug)]
@@ -92,7 +93,7 @@ pub fn open(name: &str) -> Result<Wire, PortError> {
 ///
 /// # Errors
 /// [`PortError::NotOne`] if `auto` may mean none or several.
-pub(super) fn resolve(name: &str) -> Result<String, PortError> {
+pub fn resolve(name: &str) -> Result<String, PortError> {
     if name != "auto" {
         return Ok(name.to_owned());
     }

@@ -15,6 +15,9 @@ use std::time::{Duration, Instant};
 /// be back, and rare enough to cost nothing.
 const RETRY: Duration = Duration::from_millis(20);
 
+/// So many connections that are closed without a word are no accident.
+const MOST_REFUSALS: u32 = 3;
+
 /// A way to a robot that survives unplugging.
 #[derive(Debug)]
 pub struct Reopening {
@@ -22,6 +25,9 @@ pub struct Reopening {
     identity: Option<UsbIdentity>,
     wire: Option<Wire>,
     tried: Instant,
+    /// Whether anything was ever read, and how often the port was gone.
+    read: bool,
+    gone: u32,
 }
 
 impl Reopening {
@@ -34,12 +40,17 @@ impl Reopening {
         // Another robot that came meanwhile is no reason to give up a port that is open.
         let name = port::resolve(name).unwrap_or_else(|_| name.to_owned());
         let identity = UsbIdentity::of(&name, &port::list().unwrap_or_default());
-        Ok(Self { name, identity, wire: Some(wire), tried: Instant::now() })
+        Ok(Self { name, identity, wire: Some(wire), tried: Instant::now(), read: false, gone: 0 })
     }
 
     /// Whether the port is open as far as is known.
     pub fn is_open(&self) -> bool {
         self.wire.is_some()
+    }
+
+    /// Whether whoever is there opens, and closes again without a word: it serves somebody else.
+    pub fn is_turned_away(&self) -> bool {
+        !self.read && self.gone > MOST_REFUSALS
     }
 
     /// Where the device is now, if it is anywhere.
@@ -66,10 +77,14 @@ impl Read for Reopening {
         match self.wire().ok_or_else(nothing)?.read(buffer) {
             // A serial port that ends is gone.
             Ok(0) => self.wire = None,
-            Ok(length) => return Ok(length),
+            Ok(length) => {
+                self.read = true;
+                return Ok(length);
+            }
             Err(error) if is_nothing_yet(&error) => return Err(error),
             Err(_) => self.wire = None,
         }
+        self.gone = self.gone.saturating_add(1);
         Err(nothing())
     }
 }

@@ -19,8 +19,8 @@
 //! | 31 | 26 | battery | middle of a divider, 2.2 kΩ to battery +, 1 kΩ to ground; may be left open |
 //! | – | 25 | LED | on the board: on while the firmware runs |
 //!
-//! A Pico and a Pico 2 have the same pins. If a wheel turns or counts the wrong way, change its
-//! `REVERSED` below instead of the wiring.
+//! A Pico and a Pico 2 have the same pins. Which way round motors and encoders are connected, and what the
+//! divider divides by, are parameters of the robot.
 
 use embassy_rp::Peri;
 use embassy_rp::adc::{Adc, Blocking, Channel};
@@ -49,18 +49,13 @@ pub(crate) const BOARD: message::Board = message::Board::Pico;
 /// GPIO numbers of all the motor driver's inputs, standby first.
 pub(crate) const MOTOR_PINS: [usize; 7] = [8, 2, 3, 4, 5, 6, 7];
 
-/// Left, right: the wheel rolls backward on a positive duty.
-const MOTOR_REVERSED: [bool; 2] = [false, false];
-/// Left, right: the count falls when the wheel rolls forward.
-const ENCODER_REVERSED: [bool; 2] = [false, false];
-
 /// Above hearing, far below the driver's limit of 100 kHz. In Hz.
 const PWM_FREQUENCY: u32 = 20_000;
 /// Bits a second of the serial link, 8N1.
 const UART_BAUD: u32 = 115_200;
 
-/// Battery volts at the top of the converter's range: 3.3 V times (2.2 kΩ + 1 kΩ) / 1 kΩ.
-const BATTERY_FULL_SCALE: f32 = 10.56;
+/// Volts at the pin at the top of the converter's range.
+const PIN_FULL_SCALE: f32 = 3.3;
 /// Readings of the 12-bit converter.
 const ADC_RANGE: f32 = 4096.0;
 /// Below this voltage no divider is fitted: the pin's own pull-down holds an open pin near zero.
@@ -83,10 +78,11 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    /// Reads both encoders and the battery, `missed_ticks` control periods late.
-    pub(crate) fn sense(&mut self, missed_ticks: u8) -> Sensors {
+    /// Reads both encoders and the battery behind a divider by `divider`, `missed_ticks` control periods
+    /// late.
+    pub(crate) fn sense(&mut self, missed_ticks: u8, divider: f32) -> Sensors {
         let counts = [self.left.counts(), self.right.counts()];
-        Sensors { counts, battery: self.battery.volts(), missed_ticks }
+        Sensors { counts, battery: self.battery.volts(divider), missed_ticks }
     }
 }
 
@@ -98,9 +94,9 @@ struct Battery {
 
 impl Battery {
     /// Volts, or none where no divider is fitted.
-    fn volts(&mut self) -> Option<f32> {
+    fn volts(&mut self, divider: f32) -> Option<f32> {
         let reading = self.converter.blocking_read(&mut self.channel).ok()?;
-        let volts = f32::from(reading) * (BATTERY_FULL_SCALE / ADC_RANGE);
+        let volts = f32::from(reading) * (PIN_FULL_SCALE / ADC_RANGE) * divider;
         (volts > BATTERY_ABSENT).then_some(volts)
     }
 }
@@ -124,22 +120,20 @@ pub(crate) fn take() -> Parts {
 
     let mut setting = pwm::Config::default();
     setting.top = (clocks::clk_sys_freq() / PWM_FREQUENCY - 1) as u16;
-    let [left, right] = MOTOR_REVERSED;
     let motors = Motors {
         pwm: Pwm::new_output_ab(chip.PWM_SLICE1, chip.PIN_2, chip.PIN_3, setting.clone()),
         setting,
         directions: [
-            Direction { in1: low(chip.PIN_4), in2: low(chip.PIN_5), reversed: left },
-            Direction { in1: low(chip.PIN_6), in2: low(chip.PIN_7), reversed: right },
+            Direction { in1: low(chip.PIN_4), in2: low(chip.PIN_5) },
+            Direction { in1: low(chip.PIN_6), in2: low(chip.PIN_7) },
         ],
         standby: low(chip.PIN_8),
     };
 
     let Pio { mut common, sm0, sm1, .. } = Pio::new(chip.PIO0, Irqs);
     let program = encoders::load(&mut common);
-    let [reversed_left, reversed_right] = ENCODER_REVERSED;
-    let left = Encoder::new(&mut common, sm0, &program, chip.PIN_10, chip.PIN_11, reversed_left);
-    let right = Encoder::new(&mut common, sm1, &program, chip.PIN_12, chip.PIN_13, reversed_right);
+    let left = Encoder::new(&mut common, sm0, &program, chip.PIN_10, chip.PIN_11);
+    let right = Encoder::new(&mut common, sm1, &program, chip.PIN_12, chip.PIN_13);
 
     let battery = Battery {
         converter: Adc::new_blocking(chip.ADC, adc::Config::default()),

@@ -6,10 +6,10 @@ use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::{Duration, Instant, Timer};
-use protocol::message::Reboot;
+use protocol::message::{Reboot, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::parameters::Parameters;
-use wmr_firmware::parameter_store::Slot;
+use wmr_firmware::parameter_store::{Slot, Step};
 use wmr_firmware::robot::{Boot, Port, Robot};
 
 use crate::board::{self, BOARD, Base};
@@ -40,21 +40,20 @@ fn SWI_IRQ_1() {
 async fn main(threads: Spawner) {
     let mut parts = board::take();
     parts.watchdog.start(WATCHDOG_TIMEOUT);
-    let boot = Boot {
-        nonce: faults::boot_nonce(&mut parts.watchdog),
-        board: BOARD,
-        reset: faults::reset_cause(&mut parts.watchdog),
-    };
-    log::started(boot.nonce);
+    let nonce = faults::boot_nonce(&mut parts.watchdog);
+    let reset = faults::reset_cause(&mut parts.watchdog);
+    let chip = parts.store.chip();
+    log::started(nonce);
 
     // The timer and the UART stay above the control task: their handlers are short, and the UART's
     // buffer would overflow during a long tick. USB can wait: its host asks again.
     interrupt::SWI_IRQ_1.set_priority(Priority::P1);
     interrupt::USBCTRL_IRQ.set_priority(Priority::P2);
     let interrupts = EXECUTOR.start(interrupt::SWI_IRQ_1);
-    if let (Ok(control), Ok(link)) =
-        (control(parts.base, parts.store, boot, parts.watchdog), link::link(parts.uart, parts.usb))
-    {
+    if let (Ok(control), Ok(link)) = (
+        control(parts.base, parts.store, nonce, reset, parts.watchdog),
+        link::link(parts.uart, parts.usb, chip),
+    ) {
         interrupts.spawn(control);
         threads.spawn(link);
         parts.led.set_high();
@@ -65,9 +64,17 @@ async fn main(threads: Spawner) {
 
 /// Owns the robot, which is made here: several kilobytes that would otherwise lie on the stack too.
 #[embassy_executor::task]
-async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Watchdog) {
+async fn control(
+    mut base: Base,
+    mut store: Store,
+    nonce: u32,
+    reset: ResetCause,
+    mut watchdog: Watchdog,
+) {
+    // What the task is given lies on the stack while it is spawned, so it is given little.
+    let boot = Boot { nonce, board: BOARD, reset, chip: store.chip() };
     let mut robot = Robot::new(Parameters::default(), boot);
-    robot.restore([&store.read(Slot::A), &store.read(Slot::B)]);
+    restore(&mut robot, &mut store);
     let mut due = Instant::now() + TICK;
     let mut silent_ticks = 0;
     loop {
@@ -75,7 +82,7 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
         base.tick.set_high();
         let missed_ticks = missed(due);
         due += TICK * (u32::from(missed_ticks) + 1);
-        let sensors = base.sense(missed_ticks);
+        let sensors = base.sense(missed_ticks, robot.battery_divider());
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
 
@@ -90,8 +97,7 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
 
         if let Some(steps) = actuation.save {
             watchdog.feed(SAVE_TIMEOUT);
-            let written = store.save(steps, &robot.parameter_record());
-            robot.parameters_written(&written);
+            save(&mut robot, &mut store, steps);
             // The ticks of that time are not made up for: the wheels stood still.
             due = Instant::now() + TICK;
         }
@@ -102,6 +108,19 @@ async fn control(mut base: Base, mut store: Store, boot: Boot, mut watchdog: Wat
         }
         base.tick.set_low();
     }
+}
+
+/// Takes what the flash holds. Apart, as [`save`] is, so that its pages lie on the stack only meanwhile.
+#[inline(never)]
+fn restore(robot: &mut Robot, store: &mut Store) {
+    robot.restore([&store.read(Slot::A), &store.read(Slot::B)]);
+}
+
+/// Takes `steps` to have the flash hold the robot's parameters.
+#[inline(never)]
+fn save(robot: &mut Robot, store: &mut Store, steps: [Step; 2]) {
+    let written = store.save(steps, &robot.parameter_record());
+    robot.parameters_written(&written);
 }
 
 /// The control periods that have passed since the tick that was `due`.

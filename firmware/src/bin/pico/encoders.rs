@@ -71,7 +71,6 @@ pub(crate) fn load(common: &mut Common<'static, PIO0>) -> LoadedProgram<'static,
 /// The position of one wheel in counts, kept over any number of wraps of the hardware's counters.
 pub(crate) struct Encoder<const SM: usize> {
     machine: StateMachine<'static, PIO0, SM>,
-    reversed: bool,
     last: u16,
     counts: i32,
 }
@@ -84,7 +83,6 @@ impl<const SM: usize> Encoder<SM> {
         program: &LoadedProgram<'static, PIO0>,
         channel_a: Peri<'static, impl PioPin>,
         channel_b: Peri<'static, impl PioPin>,
-        reversed: bool,
     ) -> Self {
         let mut pins = [common.make_pio_pin(channel_a), common.make_pio_pin(channel_b)];
         for pin in &mut pins {
@@ -101,20 +99,19 @@ impl<const SM: usize> Encoder<SM> {
         machine.set_pin_dirs(Direction::In, &[a, b]);
         machine.set_config(&config);
         machine.set_enable(true);
-        let mut encoder = Self { machine, reversed, last: 0, counts: 0 };
+        let mut encoder = Self { machine, last: 0, counts: 0 };
         // The first pass compares with a sample that was never taken and may count one edge too many.
         encoder.position();
         encoder.last = encoder.position();
         encoder
     }
 
-    /// Counts since the start, positive forward; waits up to 5 µs for a fresh sample.
+    /// Counts since the start; waits up to 5 µs for a fresh sample.
     pub(crate) fn counts(&mut self) -> i32 {
         let position = self.position();
         let travelled = position.wrapping_sub(self.last).cast_signed();
         self.last = position;
-        let travelled = if self.reversed { -i32::from(travelled) } else { i32::from(travelled) };
-        self.counts = self.counts.wrapping_add(travelled);
+        self.counts = self.counts.wrapping_add(i32::from(travelled));
         self.counts
     }
 

@@ -108,9 +108,9 @@ impl Wire {
 
 /// Moves bytes for ever, and proves every [`BEAT`] that it still does.
 #[embassy_executor::task]
-pub(crate) async fn link(uart: BufferedUart, driver: Driver<'static, USB>) {
+pub(crate) async fn link(uart: BufferedUart, driver: Driver<'static, USB>, chip: u64) {
     let (transmitter, receiver) = uart.split();
-    let (mut device, class) = usb_serial(driver);
+    let (mut device, class) = usb_serial(driver, chip);
     let (sender, usb_receiver, control) = class.split_with_control();
     join5(
         uart_in(receiver),
@@ -191,9 +191,11 @@ async fn forward(sender: &mut Sender<'static, Driver<'static, USB>>) -> Result<(
 /// The USB device with its one serial port.
 fn usb_serial(
     driver: Driver<'static, USB>,
+    chip: u64,
 ) -> (UsbDevice<'static, Driver<'static, USB>>, CdcAcmClass<'static, Driver<'static, USB>>) {
     static CONFIGURATION: StaticCell<[u8; 128]> = StaticCell::new();
     static DEVICE: StaticCell<[u8; 16]> = StaticCell::new();
+    static SERIAL: StaticCell<[u8; 16]> = StaticCell::new();
     static CONTROL: StaticCell<[u8; 64]> = StaticCell::new();
     static STATE: StaticCell<State<'static>> = StaticCell::new();
 
@@ -201,6 +203,8 @@ fn usb_serial(
     let mut config = Config::new(vendor, product);
     config.manufacturer = Some("wmr");
     config.product = Some(USB_PRODUCT);
+    // Without a number two robots would be one to the computer.
+    config.serial_number = core::str::from_utf8(SERIAL.init(hexadecimal(chip))).ok();
     let mut builder = Builder::new(
         driver,
         config,
@@ -211,4 +215,14 @@ fn usb_serial(
     );
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), USB_PACKET as u16);
     (builder.build(), class)
+}
+
+/// A number as 16 hexadecimal digits.
+fn hexadecimal(number: u64) -> [u8; 16] {
+    let mut digits = [0; 16];
+    for (place, digit) in digits.iter_mut().enumerate() {
+        let value = (number >> (60 - 4 * place)) as u8 & 15;
+        *digit = if value < 10 { b'0' + value } else { b'a' - 10 + value };
+    }
+    digits
 }

@@ -19,15 +19,12 @@ pub(crate) struct Direction {
     pub(crate) in1: Output<'static>,
     /// High drives backward.
     pub(crate) in2: Output<'static>,
-    /// The motor turns the wheel the other way round.
-    pub(crate) reversed: bool,
 }
 
 impl Direction {
     fn set(&mut self, forward: bool) {
-        let high = forward != self.reversed;
-        self.in1.set_level(high.into());
-        self.in2.set_level((!high).into());
+        self.in1.set_level(forward.into());
+        self.in2.set_level((!forward).into());
     }
 }
 

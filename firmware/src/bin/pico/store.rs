@@ -25,6 +25,21 @@ impl Store {
         Self { flash: Flash::new_blocking(flash) }
     }
 
+    /// The number that tells this board from all others: its flash chip's own.
+    #[cfg(not(target_abi = "eabihf"))]
+    pub(crate) fn chip(&mut self) -> u64 {
+        let mut number = [0; 8];
+        // A chip that does not say is one without a number.
+        let _ = self.flash.blocking_unique_id(&mut number);
+        u64::from_be_bytes(number)
+    }
+
+    /// The number that tells this board from all others: the processor's own.
+    #[cfg(target_abi = "eabihf")]
+    pub(crate) fn chip(&mut self) -> u64 {
+        embassy_rp::otp::get_chipid().unwrap_or(0)
+    }
+
     /// What a slot holds; zeros, which are no record, if it cannot be read.
     pub(crate) fn read(&mut self, slot: Slot) -> [u8; RECORD_SIZE] {
         let mut record = [0; RECORD_SIZE];
