@@ -13,6 +13,7 @@
 //! | folder | holds |
 //! |---|---|
 //! | `image` | photo, rasters, connected components, rectangles, edge profiles, faults of a picture; no metres |
+//! | `tags` | square tags (ArUco, AprilTag): which they are, where their corners lie |
 //! | `camera` | where a floor point is in the photo: camera model, floor map, camera pose, fit to the border's edges |
 //! | `plan_view` | the floor seen straight from above |
 //! | `appearance` | what floor and shadow look like, and which cells are neither |
@@ -45,6 +46,7 @@ mod paper;
 mod plan_view;
 mod robot;
 mod stereo;
+mod tags;
 
 pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
@@ -60,3 +62,4 @@ pub use paper::{
 };
 pub use plan_view::{PlanFrame, brightness_view, plan_view};
 pub use stereo::{PairDetection, PairSteps, RaisedBox, detect_pair};
+pub use tags::{Tag, TagDictionary, find_tags};
