@@ -96,8 +96,7 @@ impl Canvas {
                     let place = [x as f64 + offset(index % 4), y as f64 + offset(index / 4)];
                     let image = map * nalgebra::Vector3::new(place[0], place[1], 1.0);
                     let [u, v] = [image.x / image.z, image.y / image.z];
-                    let inside =
-                        image.z > 0.0 && (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v);
+                    let inside = (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v);
                     inside.then(|| shade([u, v])).flatten().unwrap_or(old)
                 };
                 self.codes[y * self.width + x] = (0..16).map(sample).sum::<f32>() / 16.0;
