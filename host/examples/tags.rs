@@ -3,10 +3,13 @@
 //! Twenty pictures a row, 1280 × 960 with five tags each, tilted by 0 to 60 degrees, turned at will, blur
 //! 0.8 and noise 2 codes. With DIR the pictures are written there with `truth.json`, for other detectors.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "an example may fail as a test does")]
+
 #[path = "../tests/drawn_tags/mod.rs"]
 mod drawn_tags;
 
 use drawn_tags::{Canvas, DrawnTag};
+use std::f64::consts::TAU;
 use std::time::Instant;
 use wmr::vision::{TagDictionary, find_tags};
 
@@ -23,7 +26,7 @@ fn random_tag(
 ) -> DrawnTag {
     let id = random.usize(..dictionary.len());
     let wanted = low + (high - low) * random.f64();
-    let turns = [random.f64() * 6.28, random.f64() * 1.047, random.f64() * 6.28];
+    let turns = [random.f64() * TAU, random.f64() * TAU / 6.0, random.f64() * TAU];
     let centre = centre.map(|value| value + 20.0 * random.f64());
     let rough = DrawnTag::tilted((dictionary, id), centre, wanted, turns).shortest_side();
     DrawnTag::tilted((dictionary, id), centre, wanted * wanted / rough, turns)

@@ -23,8 +23,9 @@ const NOT_RUN: [(&str, &str); 6] = [
 /// Commands that need something nobody has in a fresh clone: they must be understood, and fail only
 /// for want of that, with this exit code and error: pictures by the reader's own camera, and a drive
 /// that was cut short.
-const LACKING: [(&str, i32, &str); 4] = [
+const LACKING: [(&str, i32, &str); 5] = [
     ("wmr calibrate camera ", 3, "error[file.read]"),
+    ("wmr plan photo.jpg ", 3, "error[file.read]"),
     ("wmr detect photo3.jpg ", 3, "error[file.read]"),
     ("wmr detect a2.jpg ", 3, "error[file.read]"),
     (" --resume", 2, "error[resume.nothing]"),

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use wmr::geometry::Arena;
 use wmr::scene::Goal;
+use wmr::shape::Circle;
 
 /// What every command understands stands below its own options.
 const LAST: usize = 100;
@@ -41,6 +42,8 @@ pub(crate) enum Command {
     Drive(DriveArgs),
     /// Write an arena as a grid map for other programs.
     Export(ExportArgs),
+    /// Tags to print: for the arena's corners, the robot and the goal.
+    Tags(TagsArgs),
     /// Be a simulated robot for any program that speaks to a serial port.
     Sim(SimArgs),
     /// List the serial ports, and which of them is a robot.
@@ -121,6 +124,18 @@ pub(crate) struct VisionArgs {
     /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// Tags (ArUco 4x4 to 7x7, AprilTag) stand in the arena's four corners: which of their points is the corner.
+    #[arg(long, value_enum, conflicts_with = "corners", value_name = "POINT")]
+    pub(crate) tags: Option<TagPointName>,
+    /// The tag on the robot's top, its upper edge ahead.
+    #[arg(long, value_name = "ID")]
+    pub(crate) robot_tag: Option<usize>,
+    /// A tag that lies where the robot is to go.
+    #[arg(long, value_name = "ID")]
+    pub(crate) goal_tag: Option<usize>,
+    /// A disc in which nothing is an obstacle: x,y and radius; may be given several times.
+    #[arg(long, value_parser = quantity::disc, allow_hyphen_values = true, value_name = "X,Y,R")]
+    pub(crate) ignore: Vec<Circle>,
     /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main", or for two pictures
     /// under "a" and "b".
     #[arg(long, value_name = "FILE")]
@@ -128,6 +143,26 @@ pub(crate) struct VisionArgs {
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TagPointName {
+    /// The corner of the black square furthest from the arena's middle.
+    Outer,
+    /// Its centre.
+    Centre,
+    /// The corner of the black square nearest to the arena's middle.
+    Inner,
+}
+
+impl From<TagPointName> for wmr::vision::TagPoint {
+    fn from(name: TagPointName) -> Self {
+        match name {
+            TagPointName::Outer => Self::Outer,
+            TagPointName::Centre => Self::Centre,
+            TagPointName::Inner => Self::Inner,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -273,6 +308,22 @@ pub(crate) struct ExportArgs {
     /// Side of a cell [default: 0.05, of a Moving AI map 1; a ROS map keeps its own].
     #[arg(long, value_parser = quantity::length, value_name = "M")]
     pub(crate) resolution: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TagsArgs {
+    /// The SVG file to write: one sheet of A4, true to scale.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// The tags' numbers.
+    #[arg(long, value_delimiter = ',', default_value = "0,1,2,3,7", value_name = "ID,...")]
+    pub(crate) ids: Vec<usize>,
+    /// The dictionary: 4X4_50 and the like, MIP_36h12, 36h11, 25h9.
+    #[arg(long, default_value = "4X4_50", value_name = "NAME")]
+    pub(crate) dictionary: String,
+    /// How wide the black square is.
+    #[arg(long, value_parser = quantity::length, default_value = "50mm", value_name = "M")]
+    pub(crate) size: f64,
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! `wmr demo`: the whole way at once, without any hardware.
 
-use super::args::{DemoArgs, MethodName, PlannerName, VisionArgs, WayArgs};
+use super::args::{DemoArgs, PlannerName, VisionArgs, WayArgs};
 use super::drive::{Begin, drive_way, keep, tell};
 use super::error::CliError;
 use super::folder::Folder;
@@ -24,8 +24,7 @@ const SEED: u64 = 1;
 
 /// Runs the demo; an error unless the goal is reached.
 pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
-    let vision =
-        VisionArgs { arena: Some(ARENA), corners: None, camera: None, method: MethodName::Robust };
+    let vision = VisionArgs { arena: Some(ARENA), ..VisionArgs::default() };
     let way_args = WayArgs {
         goal: Some(Goal { position: GOAL, heading: None }),
         planner: PlannerName::Grid,
@@ -35,7 +34,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let seen = input::see(
         PHOTO.to_vec(),
         &vision,
-        Sight { radius: None, resolution: 1.0, keep_steps: true },
+        Sight { radius: None, resolution: 1.0, keep_steps: true, start: None },
     )?;
     output.say(detect::describe(&seen).trim_end());
     let input = Input::Photo(Box::new(seen));

@@ -21,7 +21,12 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
     let seen = input::see(
         bytes,
         &args.vision,
-        Sight { radius: Some(args.radius), resolution: 1.0, keep_steps: args.steps.is_some() },
+        Sight {
+            radius: Some(args.radius),
+            resolution: 1.0,
+            keep_steps: args.steps.is_some(),
+            start: None,
+        },
     )?;
     if let Some(folder) = &args.steps {
         Folder::create(folder)?.vision(&seen, args.radius)?;

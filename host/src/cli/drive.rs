@@ -23,6 +23,7 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
             radius: args.way.radius,
             resolution: args.way.resolution,
             keep_steps: args.log.is_some(),
+            start: args.way.start,
         },
         output,
     )?;

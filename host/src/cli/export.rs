@@ -67,7 +67,7 @@ fn cells(args: &ExportArgs, output: Output) -> Result<CellMap, CliError> {
     if let Some(map) = input::read_cells(&args.input, own, output)? {
         return Ok(map);
     }
-    let sight = Sight { radius: None, resolution: own, keep_steps: false };
+    let sight = Sight { radius: None, resolution: own, keep_steps: false, start: None };
     let scene = match input::read(&args.input, &args.vision, sight, output)? {
         Input::Photo(seen) => seen.scene(None),
         Input::Scene(scene) => scene,

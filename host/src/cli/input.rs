@@ -7,11 +7,11 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use wmr::geometry::Arena;
+use wmr::geometry::{Arena, Pose};
 use wmr::map::{CellMap, MapError, RosHead};
 use wmr::picture::vision::{NamedPicture, vision_pictures};
 use wmr::plan_file::PlanFile;
-use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
+use wmr::scene::{DEFAULT_ROBOT_RADIUS, Goal, Scene};
 use wmr::vision::{self, Camera, DetectOptions, Detection, Method};
 
 /// What a file holds.
@@ -45,6 +45,8 @@ pub(crate) struct Sight {
     pub(crate) radius: Option<f64>,
     pub(crate) resolution: f64,
     pub(crate) keep_steps: bool,
+    /// Where a person says that the robot stands.
+    pub(crate) start: Option<Goal>,
 }
 
 /// Reads `path`, and if it is a photo, looks at it.
@@ -205,6 +207,14 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
             MethodName::Paper => Method::Paper,
         },
         corners: args.corners,
+        tags: args.tags.map(Into::into),
+        robot_tag: args.robot_tag,
+        goal_tag: args.goal_tag,
+        robot_at: sight
+            .start
+            .filter(|_| args.robot_tag.is_none())
+            .map(|place| Pose { position: place.position, heading: place.heading.unwrap_or(0.0) }),
+        ignored: args.ignore.clone(),
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
         camera: args.camera.as_deref().map(read_camera).transpose()?,

@@ -31,6 +31,7 @@ pub(crate) mod run;
 mod serve;
 mod sim;
 mod stop_desk;
+mod tags;
 pub(crate) mod way;
 
 use args::{CalibrateCommand, CheckCommand, Cli, Command};
@@ -66,6 +67,7 @@ fn run_command() -> ExitCode {
         Command::Plan(args) => plan::run(args, output),
         Command::Drive(args) => drive::run(args, output),
         Command::Export(args) => export::run(args, output),
+        Command::Tags(args) => tags::run(args, output),
         Command::Sim(args) => sim::run(args, output),
         Command::Ports => ports::list(output),
         Command::Info(args) => ports::info(args, output),

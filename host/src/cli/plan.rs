@@ -19,6 +19,7 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
             radius: args.way.radius,
             resolution: args.way.resolution,
             keep_steps: args.steps.is_some(),
+            start: args.way.start,
         },
         output,
     )?;

@@ -2,6 +2,7 @@
 
 use wmr::geometry::{Arena, Point};
 use wmr::scene::Goal;
+use wmr::shape::Circle;
 
 /// A suffix, and what its numbers become: divided, so that 1400mm is 1.4 and not the next number to it.
 type Unit = (&'static str, fn(f64) -> f64);
@@ -109,6 +110,15 @@ pub(crate) fn place(text: &str) -> Result<Goal, String> {
         }
     };
     Ok(Goal { position: Point::new(length(x)?, length(y)?), heading })
+}
+
+/// A disc from `x,y,r`.
+pub(crate) fn disc(text: &str) -> Result<Circle, String> {
+    let parts: Vec<_> = text.split(',').map(str::trim).collect();
+    let [x, y, radius] = *parts.as_slice() else {
+        return Err(format!("{text:?} is no disc; write x,y,r, such as 0.4,1.2,80mm"));
+    };
+    Ok(Circle { centre: Point::new(length(x)?, length(y)?), radius: distance(radius)? })
 }
 
 /// A distance and an angle from `20mm,3deg`.

@@ -28,7 +28,7 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
         Some(path) => match input::read(
             path,
             &VisionArgs::default(),
-            Sight { radius: None, resolution: 1.0, keep_steps: false },
+            Sight { radius: None, resolution: 1.0, keep_steps: false, start: None },
             output,
         )? {
             Input::Scene(scene) => SimulatedWorld::new(

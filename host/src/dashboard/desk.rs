@@ -5,7 +5,7 @@
 
 use super::error::Failure;
 use super::requests::{DetectRequest, PlanRequest};
-use crate::cli::args::{MethodName, VisionArgs, WayArgs};
+use crate::cli::args::{VisionArgs, WayArgs};
 use crate::cli::demo;
 use crate::cli::detect::detection_document;
 use crate::cli::error::CliError;
@@ -263,13 +263,13 @@ pub(super) struct Look {
 impl Look {
     /// Looks.
     pub(super) fn see(&self) -> Result<SeenPhoto, Failure> {
-        let args = VisionArgs {
-            arena: self.arena,
-            corners: self.corners,
-            camera: None,
-            method: MethodName::Robust,
+        let args = VisionArgs { arena: self.arena, corners: self.corners, ..VisionArgs::default() };
+        let sight = Sight {
+            radius: Some(self.robot_radius),
+            resolution: 1.0,
+            keep_steps: false,
+            start: None,
         };
-        let sight = Sight { radius: Some(self.robot_radius), resolution: 1.0, keep_steps: false };
         Ok(input::see(self.photo.bytes.clone(), &args, sight)?)
     }
 }

@@ -8,4 +8,5 @@ pub mod overhead;
 pub mod plan;
 pub mod stereo;
 pub mod svg;
+pub mod tags;
 pub mod vision;

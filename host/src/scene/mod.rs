@@ -174,11 +174,12 @@ impl Scene {
     }
 
     /// The scene that was seen in a photo of an `arena`, for a robot of `robot_radius` metres: it starts
-    /// where the robot was seen.
+    /// where the robot was seen, and goes to the tag that marks the goal.
     pub fn from_detection(detection: &Detection, arena: Arena, robot_radius: f64) -> Self {
         let obstacles = detection.obstacles.clone();
         let start = detection.robot;
-        Self { robot_radius, obstacles, start, ..Self::new(arena.width, arena.height) }
+        let goal = detection.goal.map(|position| Goal { position, heading: None });
+        Self { robot_radius, obstacles, start, goal, ..Self::new(arena.width, arena.height) }
     }
 
     /// Reads a scene from the text of a `wmr-scene/2`, `wmr-scene/1` or `wmr-arena/1` file.

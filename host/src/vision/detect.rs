@@ -2,14 +2,17 @@
 
 use crate::geometry::{Arena, Point, Pose, Rect};
 use crate::scene::Obstacle;
+use crate::shape::Circle;
 use crate::vision::appearance::Look;
 use crate::vision::border::{self, check_arena, given};
 use crate::vision::boxes::{self, Bounded, Found, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
+use crate::vision::marks::{Marks, is_of_mark, known_top};
 use crate::vision::paper::{Steps, paper_rectangles, steps};
 use crate::vision::robot::{self, RobotTop};
+use crate::vision::tags::{self, TagPoint};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
 const PAPER_RADIUS: f64 = 0.075;
@@ -55,6 +58,16 @@ pub struct DetectOptions {
     pub corners: Option<[[f64; 2]; 4]>,
     /// The camera, if it is calibrated; corners are then not looked for.
     pub camera: Option<Camera>,
+    /// Which point of the tags in the arena's corners is its corner, if there are such tags.
+    pub tags: Option<TagPoint>,
+    /// The number of the tag on the robot's top, if it has one: its upper edge points ahead.
+    pub robot_tag: Option<usize>,
+    /// The number of a tag that lies where the robot is to go.
+    pub goal_tag: Option<usize>,
+    /// Where the robot stands if it has no mark: what is seen there is the robot.
+    pub robot_at: Option<Pose>,
+    /// Places where nothing is an obstacle.
+    pub ignored: Vec<Circle>,
     /// The radius of the robot's disc, metres.
     pub robot_radius: f64,
     /// The height of the robot's top above the floor, metres.
@@ -69,6 +82,11 @@ impl Default for DetectOptions {
             method: Method::Robust,
             corners: None,
             camera: None,
+            tags: None,
+            robot_tag: None,
+            goal_tag: None,
+            robot_at: None,
+            ignored: Vec::new(),
             robot_radius: PAPER_RADIUS,
             robot_height: USUAL_ROBOT_HEIGHT,
             keep_steps: false,
@@ -85,6 +103,8 @@ pub struct Detection {
     pub corners_px: [[f64; 2]; 4],
     /// The robot, if it is in the picture.
     pub robot: Option<Pose>,
+    /// Where a tag marks the goal.
+    pub goal: Option<Point>,
     /// How surely the arena was found, 0 to 1.
     pub confidence: f64,
     /// What the user should know about this answer.
@@ -125,7 +145,8 @@ pub fn detect(
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
     let mut warnings = Vec::new();
-    let (map, confidence) = locate(photo, arena, options, &mut warnings)?;
+    let marks = Marks::of(photo, options);
+    let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
     let look = match options.method {
         Method::Robust => Look::at(photo, &map, arena),
         Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),
@@ -133,7 +154,14 @@ pub fn detect(
     let look = look.ok_or(VisionError::Corners)?;
     warnings
         .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
-    let top = robot::find(photo, &map, &look, options.robot_radius);
+    let tagged = marks.robot.as_ref().map(|tag| tags::pose(tag, &map));
+    let radius = options.robot_radius;
+    let marked = match tagged {
+        Some(pose) => Some(known_top(pose, radius)),
+        None => robot::find(photo, &map, &look, radius),
+    };
+    let top = marked.or(options.robot_at.map(|pose| known_top(pose, radius)));
+    warnings.extend(marks.missing(options));
     let steps = options.keep_steps.then(|| steps(photo, &map, arena, options.robot_radius));
     let viewpoint = match &options.camera {
         Some(camera) => camera.viewpoint(),
@@ -148,7 +176,11 @@ pub fn detect(
     };
     let robot = top.map(|top| {
         let viewpoint = viewpoint.filter(|_| leans(&found, top, options));
-        robot_pose(photo, &map, options, viewpoint, top)
+        match (tagged, options.robot_at) {
+            (Some(seen), _) => tag_pose(seen, options, viewpoint),
+            (None, Some(pose)) if marked.is_none() => pose,
+            (None, _) => robot_pose(photo, &map, options, viewpoint, top),
+        }
     });
     let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
     warnings.extend(found.has_lines.then(|| FLOOR_LINES.into()));
@@ -158,8 +190,12 @@ pub fn detect(
     }
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
+    let patches: Vec<Vec<Point>> = marks.seen.iter().map(|tag| tags::patch(tag, &map)).collect();
+    let is_real = |of: &Obstacle| !is_of_mark(&of.footprint, &patches, &options.ignored);
+    let obstacles = boxes.iter().map(Bounded::obstacle).chain(found.shapes).filter(is_real);
     Ok(Detection {
-        obstacles: boxes.iter().map(Bounded::obstacle).chain(found.shapes).collect(),
+        obstacles: obstacles.collect(),
+        goal: marks.goal.as_ref().map(|tag| map.to_floor(tag.centre_px())),
         corners_px: map.seen_corners(arena),
         robot,
         confidence,
@@ -186,6 +222,7 @@ fn locate(
     photo: &Photo,
     arena: Arena,
     options: &DetectOptions,
+    marks: &Marks,
     warnings: &mut Vec<String>,
 ) -> Result<(PlanMap, f64), VisionError> {
     let small = photo.reduced(photo.overview_factor());
@@ -198,6 +235,9 @@ fn locate(
     }
     if let Some(corners) = options.corners {
         return Ok((given(photo, arena, corners)?, 1.0));
+    }
+    if let Some(point) = options.tags {
+        return Ok((given(photo, arena, tags::corners(&marks.corners(), point)?)?, 1.0));
     }
     let border = border::find(photo, &small, arena)?;
     warnings.extend(rough_border(border.residual));
@@ -227,6 +267,15 @@ fn robot_pose(
         position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
         heading: top.heading,
     }
+}
+
+/// The pose of the robot whose tag is seen at a pose on the floor's plane: it lies as high as the top.
+fn tag_pose(seen: Pose, options: &DetectOptions, viewpoint: Option<Viewpoint>) -> Pose {
+    let position = viewpoint.map_or(seen.position, |view| {
+        let lean = view.height / (view.height - options.robot_height).max(1e-3);
+        lowered(seen.position, view.foot, lean)
+    });
+    Pose { position, ..seen }
 }
 
 /// How much larger the robot's top looks than its base: by the camera's height if that is known, else

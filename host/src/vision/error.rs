@@ -47,6 +47,15 @@ pub enum VisionError {
         "the corners given enclose no floor: list lower left, lower right, upper right, upper left, in pixels"
     )]
     Corners,
+    /// The tags in the arena's corners are not four.
+    #[error(
+        "{} found where four tags in the arena's corners are needed; show all four flat, sharp and with a white rim, print them larger, or give --corners",
+        tags_seen(.seen)
+    )]
+    CornerTags {
+        /// The numbers of the tags that are seen, without those of robot and goal.
+        seen: Vec<usize>,
+    },
     /// The given camera cannot be one.
     #[error("the camera given makes no sense ({reason}); check the camera file")]
     Camera {
@@ -180,4 +189,15 @@ pub enum VisionError {
         /// What is wrong.
         reason: String,
     },
+}
+
+fn tags_seen(seen: &[usize]) -> String {
+    match seen {
+        [] => "no tag was".to_owned(),
+        [only] => format!("one tag ({only}) was"),
+        many => {
+            let numbers: Vec<String> = many.iter().map(usize::to_string).collect();
+            format!("{} tags ({}) were", many.len(), numbers.join(", "))
+        }
+    }
 }

@@ -41,6 +41,7 @@ mod camera;
 mod detect;
 mod error;
 mod image;
+mod marks;
 mod outline;
 mod paper;
 mod plan_view;
@@ -62,4 +63,4 @@ pub use paper::{
 };
 pub use plan_view::{PlanFrame, brightness_view, plan_view};
 pub use stereo::{PairDetection, PairSteps, RaisedBox, detect_pair};
-pub use tags::{Tag, TagDictionary, find_tags};
+pub use tags::{Tag, TagDictionary, TagPoint, find_tags};

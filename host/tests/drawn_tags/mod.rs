@@ -1,5 +1,7 @@
 //! Pictures of tags, drawn apart from the detector: tilted squares with 4 × 4 samples a pixel, blurred, noisy.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
 use wmr::vision::{Photo, TagDictionary, homography};
 
 /// A tag where it was drawn: corners clockwise from its own top left, pixels.

@@ -142,6 +142,7 @@ pub fn detect_pair(
             obstacles: refined.iter().map(obstacle).collect(),
             corners_px: sights[0].map.seen_corners(arena),
             robot: robot_pose(&sights, options),
+            goal: None,
             confidence: 1.0 - share,
             warnings: unexplained(gain::Canvas::with(&pair, &boxes).unexplained()),
             steps: None,

@@ -6,13 +6,17 @@
 //! Pixels: the centre of the top left pixel is (0, 0). Corners are given clockwise from the tag's own top
 //! left, as OpenCV has them. A tag needs a rim brighter than its ring, at least half a cell wide.
 
+mod arena;
 mod dark;
 mod decode;
 mod dictionary;
 mod fit;
 mod quad;
 
+pub use arena::TagPoint;
 pub use dictionary::TagDictionary;
+
+pub(crate) use arena::{corners, patch, pose};
 
 use crate::vision::image::Photo;
 use dark::{Grey, Outlines};

@@ -1,0 +1,69 @@
+//! What marks in a photo mean: tags in the arena's corners, on the robot and at the goal, and places where
+//! nothing is an obstacle. Metres in the arena frame.
+
+use super::detect::DetectOptions;
+use super::image::Photo;
+use super::robot::RobotTop;
+use super::tags::{Tag, TagDictionary, find_tags};
+use crate::geometry::{Point, Pose};
+use crate::shape::{Circle, Polygon, Shape};
+
+/// What reaches no further beyond a tag's rim than this is part of it, metres: blur, and a turned-up corner.
+const TAG_SLACK: f64 = 0.015;
+
+/// The tags of a photo, by what they mark.
+pub(super) struct Marks {
+    pub(super) seen: Vec<Tag>,
+    pub(super) robot: Option<Tag>,
+    pub(super) goal: Option<Tag>,
+}
+
+impl Marks {
+    /// Looks for tags if any are asked for.
+    pub(super) fn of(photo: &Photo, options: &DetectOptions) -> Self {
+        let (robot, goal) = (options.robot_tag, options.goal_tag);
+        let is_asked = options.tags.is_some() || robot.is_some() || goal.is_some();
+        let seen = if is_asked { find_tags(photo, &TagDictionary::usual()) } else { Vec::new() };
+        let numbered = |id: Option<usize>| id.and_then(|id| seen.iter().find(|tag| tag.id == id));
+        Self { robot: numbered(robot).cloned(), goal: numbered(goal).cloned(), seen }
+    }
+
+    /// The tags that mark neither robot nor goal.
+    pub(super) fn corners(&self) -> Vec<&Tag> {
+        let others = [&self.robot, &self.goal];
+        let is_other = |tag: &Tag| others.iter().any(|other| other.as_ref() == Some(tag));
+        self.seen.iter().filter(|tag| !is_other(tag)).collect()
+    }
+
+    /// What to say of tags that were asked for and are not seen.
+    pub(super) fn missing(&self, options: &DetectOptions) -> Vec<String> {
+        let wanted =
+            [("robot", options.robot_tag, &self.robot), ("goal", options.goal_tag, &self.goal)];
+        let lost = wanted.into_iter().filter(|(_, _, found)| found.is_none());
+        lost.filter_map(|(what, id, _)| {
+            Some(format!(
+                "tag {} of the {what} is not seen; show it flat and sharp, with a white rim",
+                id?
+            ))
+        })
+        .collect()
+    }
+}
+
+/// The robot whose pose is known otherwise than by its disc.
+pub(super) fn known_top(pose: Pose, radius: f64) -> RobotTop {
+    RobotTop { centre: pose.position, radius, heading: pose.heading, certainty: 1.0 }
+}
+
+/// Whether a shape is no more than a tag on the floor, or lies where nothing is an obstacle.
+pub(super) fn is_of_mark(shape: &Shape, patches: &[Vec<Point>], ignored: &[Circle]) -> bool {
+    let outline = shape.outline();
+    let slack = |corner: &Point, patch: &Polygon| {
+        Shape::Polygon(patch.clone()).distance(*corner) < TAG_SLACK
+    };
+    let is_tag = patches.iter().filter_map(|patch| Polygon::new(patch.clone()).ok());
+    let mut tags = is_tag.filter(|patch| outline.iter().all(|corner| slack(corner, patch)));
+    let in_disc =
+        |disc: &Circle| outline.iter().all(|corner| corner.distance(disc.centre) <= disc.radius);
+    tags.next().is_some() || ignored.iter().any(in_disc)
+}
