@@ -2,7 +2,7 @@
 
 use super::args::ExportArgs;
 use super::error::CliError;
-use super::folder::write_file;
+use super::folder::write_named;
 use super::input::{self, Input, Sight};
 use super::output::Output;
 use serde_json::json;
@@ -28,12 +28,14 @@ pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
             let picture = args.output.with_extension("pgm");
             let name = picture.file_name().unwrap_or_default().to_string_lossy();
             let ros = map.to_ros(&name);
-            write_file(&args.output, ros.yaml.as_bytes())?;
-            write_file(&picture, &ros.pgm)?;
+            let is_head = |older: &[u8]| String::from_utf8_lossy(older).contains("resolution:");
+            write_named(&args.output, ros.yaml.as_bytes(), "map", is_head)?;
+            write_named(&picture, &ros.pgm, "map's picture", |older| older.starts_with(b"P5"))?;
             vec![args.output.clone(), picture]
         }
         "map" => {
-            write_file(&args.output, map.to_movingai().as_bytes())?;
+            let is_map = |older: &[u8]| older.starts_with(b"type ");
+            write_named(&args.output, map.to_movingai().as_bytes(), "map", is_map)?;
             vec![args.output.clone()]
         }
         _ => {

@@ -134,6 +134,31 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     std::fs::write(path, bytes).map_err(|error| write_error(path, &error))
 }
 
+/// Writes a file that a person named: over an older one of its own kind, never over anything else.
+pub(crate) fn write_named(
+    path: &Path,
+    bytes: &[u8],
+    kind: &str,
+    is_kind: impl Fn(&[u8]) -> bool,
+) -> Result<(), CliError> {
+    // A file that cannot be read is no reason: writing says what is wrong with it.
+    let older = std::fs::read(path).unwrap_or_default();
+    if older.is_empty() || is_kind(&older) {
+        return write_file(path, bytes);
+    }
+    let message = format!("{} is there and is no {kind}; it stays as it is", path.display());
+    Err(CliError::new(Exit::Usage, "file.exists", message, "give another name to write to"))
+}
+
+/// Whether a file is JSON that names this format at its head.
+pub(crate) fn has_format(bytes: &[u8], format: &str) -> bool {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        format: String,
+    }
+    serde_json::from_slice::<Head>(bytes).is_ok_and(|head| head.format == format)
+}
+
 fn write_error(path: &Path, error: &std::io::Error) -> CliError {
     let message = format!("{}: {error}", path.display());
     CliError::new(Exit::File, "file.write", message, "choose another place")

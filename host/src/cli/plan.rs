@@ -2,7 +2,7 @@
 
 use super::args::PlanArgs;
 use super::error::CliError;
-use super::folder::{Folder, write_file};
+use super::folder::{Folder, has_format, write_named};
 use super::input::{self, Sight};
 use super::output::Output;
 use super::queries;
@@ -31,7 +31,8 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
     }
     let way = way::find(&input, asked, MarginRule::AsAsked, output)?;
     if let Some(path) = &args.output {
-        write_file(path, format!("{}\n", json!(way.file)).as_bytes())?;
+        let text = format!("{}\n", json!(way.file));
+        write_named(path, text.as_bytes(), "plan", |older| has_format(older, "wmr-plan/1"))?;
     }
     if let Some(folder) = &args.steps {
         let folder = Folder::create(folder)?;

@@ -2,7 +2,7 @@
 
 use super::args::TagsArgs;
 use super::error::CliError;
-use super::folder::write_file;
+use super::folder::write_named;
 use super::output::Output;
 use serde_json::json;
 use wmr::picture::tags::tag_sheet;
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &TagsArgs, output: Output) -> Result<(), CliError> {
             format!("give fewer or smaller ones, with numbers below {}", dictionary.len()),
         )
     })?;
-    write_file(&args.out, sheet.as_bytes())?;
+    write_named(&args.out, sheet.as_bytes(), "drawing", |older| older.starts_with(b"<svg"))?;
     let name = args.out.display().to_string();
     let text = format!(
         "{name}: {} tags of {millimetres:.0} mm; print it at 100 % and check the ruler\n",

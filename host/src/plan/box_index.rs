@@ -5,6 +5,9 @@
 
 use crate::grid::{LatticePoint, LatticeRect};
 
+/// Entries to keep per rectangle, on average; where large rectangles would make more, buckets are larger.
+const MOST_ENTRIES: f64 = 16.0;
+
 /// Fewer rectangles than this share one bucket: looking at all of them is quicker than dividing.
 const WORTH_DIVIDING: usize = 32;
 
@@ -26,11 +29,16 @@ impl BoxIndex {
     pub(super) fn new(whole: LatticeRect, boxes: &[LatticeRect]) -> Self {
         let (width, height) =
             (i64::from(whole.x1) - i64::from(whole.x0), i64::from(whole.y1) - i64::from(whole.y0));
-        let side = if boxes.len() < WORTH_DIVIDING {
+        let mut side = if boxes.len() < WORTH_DIVIDING {
             width.max(height) + 1
         } else {
             ((2.0 * width as f64 * height as f64 / boxes.len() as f64).sqrt() as i64).max(1)
         };
+        while entries_at_most(whole, boxes, side) > MOST_ENTRIES * boxes.len() as f64
+            && side <= width.max(height)
+        {
+            side *= 2;
+        }
         let (columns, rows) = ((width / side + 1) as usize, (height / side + 1) as usize);
         let mut index = Self {
             whole,
@@ -88,6 +96,16 @@ impl BoxIndex {
     }
 }
 
+/// How many buckets of that side the rectangles touch together, at most.
+fn entries_at_most(whole: LatticeRect, boxes: &[LatticeRect], side: i64) -> f64 {
+    let along = |low: i32, high: i32| ((i64::from(high) - i64::from(low)).max(0) / side + 2) as f64;
+    let each = boxes.iter().map(|rect| {
+        let part = rect.intersection(whole);
+        along(part.x0, part.x1) * along(part.y0, part.y1)
+    });
+    each.sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,5 +128,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn large_rectangles_make_no_more_entries_than_small_ones() {
+        let whole = LatticeRect::new(0, 0, 1 << 20, 1 << 20);
+        let boxes = vec![whole; 20_000];
+        let index = BoxIndex::new(whole, &boxes);
+        assert!(index.entries.len() as f64 <= MOST_ENTRIES * boxes.len() as f64);
+        assert_eq!(index.at(LatticePoint::new(5, 5)).count(), boxes.len());
     }
 }

@@ -45,6 +45,9 @@ pub struct Photo {
 /// ```
 pub fn decode(bytes: &[u8]) -> Result<Photo, VisionError> {
     let failed = |error: &dyn std::fmt::Display| VisionError::Decode { reason: error.to_string() };
+    if is_cut_jpeg(bytes) {
+        return Err(failed(&"the JPEG ends in the middle of the picture"));
+    }
     let reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| failed(&error))?;
@@ -64,6 +67,34 @@ pub fn decode(bytes: &[u8]) -> Result<Photo, VisionError> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let pixels = picture.as_raw().as_chunks::<3>().0.to_vec();
     Photo::from_rgb(width, height, pixels)
+}
+
+/// Whether the bytes are a JPEG without its end: decoders fill what is missing with grey, which looks like
+/// floor or like a box.
+///
+/// A marker's two bytes never occur in a picture's data, so after the first scan begins the first marker of
+/// the end is the end.
+fn is_cut_jpeg(bytes: &[u8]) -> bool {
+    const START: [u8; 2] = [0xff, 0xd8];
+    const END: [u8; 2] = [0xff, 0xd9];
+    const SCAN: u8 = 0xda;
+    const FILL: u8 = 0xff;
+    if !bytes.starts_with(&START) {
+        return false;
+    }
+    let mut at = START.len();
+    // Segments with their lengths, among them a small picture with an end of its own.
+    while let Some(&[0xff, kind, high, low]) = bytes.get(at..at + 4) {
+        if kind == SCAN {
+            break;
+        }
+        if kind == FILL {
+            at += 1;
+            continue;
+        }
+        at += 2 + usize::from(u16::from_be_bytes([high, low]));
+    }
+    !bytes.get(at..).unwrap_or_default().windows(END.len()).any(|pair| pair == END)
 }
 
 impl Photo {
