@@ -28,6 +28,19 @@ impl Point {
     }
 }
 
+/// The square of the distance between a point and the straight leg from `a` to `b`, m².
+pub(crate) fn square_to_leg(point: Point, a: Point, b: Point) -> f64 {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let square = dx * dx + dy * dy;
+    let along = if square == 0.0 {
+        0.0
+    } else {
+        (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0)
+    };
+    let (x, y) = (a.x + along * dx - point.x, a.y + along * dy - point.y);
+    x * x + y * y
+}
+
 impl From<[f64; 2]> for Point {
     fn from([x, y]: [f64; 2]) -> Self {
         Self { x, y }

@@ -1,7 +1,7 @@
 //! How far a path keeps from the true obstacles and the arena's border, metres.
 
 use super::LegTest;
-use crate::geometry::{Point, Rect};
+use crate::geometry::{Point, Rect, square_to_leg};
 use crate::grid::{EnlargedArena, LatticeRect, UNITS_PER_METRE};
 use crate::scene::{Obstacle, Scene};
 use crate::shape::Shape;
@@ -117,20 +117,7 @@ fn leg_square(a: Point, b: Point, rect: &Rect) -> f64 {
         return span_square(a, a, rect).min(span_square(b, b, rect));
     };
     let from_ends = span_square(a, a, rect).min(span_square(b, b, rect));
-    from_ends.min(point_to_leg(nearest, a, b))
-}
-
-/// The square of the distance between a point and a straight leg.
-fn point_to_leg(point: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let square = dx * dx + dy * dy;
-    let along = if square == 0.0 {
-        0.0
-    } else {
-        (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0)
-    };
-    let (x, y) = (a.x + along * dx - point.x, a.y + along * dy - point.y);
-    x * x + y * y
+    from_ends.min(square_to_leg(nearest, a, b))
 }
 
 #[cfg(test)]

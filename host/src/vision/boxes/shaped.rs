@@ -44,7 +44,7 @@ const SHORT_EDGE: f64 = 0.045;
 /// What ends this near to the border, cells, ends at it.
 const BORDER_CELLS: f64 = 2.5;
 
-/// A shape, the boxes that it replaces, and the patch that it explains.
+/// A shape and the boxes that it replaces.
 pub(super) struct Shaped {
     pub(super) obstacle: Obstacle,
     /// The indices of the boxes.

@@ -9,7 +9,7 @@
 //!
 //! Deviation: the paper's obstacles are upright rectangles [Alghannam, Sec. II.A].
 
-use crate::geometry::Point;
+use crate::geometry::{Point, square_to_leg};
 use crate::shape::{Circle, Polygon, Shape};
 
 /// A shape with how much further out the contour lies at most, metres.
@@ -159,10 +159,10 @@ fn corners(contour: &[Point], tolerance: f64) -> Vec<usize> {
     while let Some((from, to)) = open.pop() {
         let points = between(contour, from, to);
         let (a, b) = (contour[from], contour[to]);
-        let off = |&(_, p): &(usize, &Point)| line_distance(*p, a, b);
+        let off = |&(_, p): &(usize, &Point)| square_to_leg(*p, a, b);
         let worst = points.iter().enumerate().max_by(|p, q| off(p).total_cmp(&off(q)));
         if let Some((step, point)) = worst
-            && line_distance(*point, a, b) > tolerance
+            && square_to_leg(*point, a, b) > tolerance * tolerance
         {
             let middle = (from + step) % count;
             kept.push(middle);
@@ -172,18 +172,6 @@ fn corners(contour: &[Point], tolerance: f64) -> Vec<usize> {
     // In the order of the contour, beginning anywhere.
     kept.sort_unstable();
     kept
-}
-
-/// The distance of a point from the straight piece between two others.
-fn line_distance(point: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let square = dx * dx + dy * dy;
-    let along = if square == 0.0 {
-        0.0
-    } else {
-        (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0)
-    };
-    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
 }
 
 /// A line through a point in a direction.

@@ -4,12 +4,14 @@
 //! [Alghannam, Sec. VI]; vision finds these shapes, the grid covers them with rectangles, the exact
 //! planner inflates them as they are. Metres.
 
-use crate::geometry::{Point, Rect};
+mod polygon;
+
+pub use polygon::{CORNER_LIMIT, Polygon};
+
+use crate::geometry::{Point, Rect, square_to_leg};
+use polygon::{edges, meet};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// The most corners that a polygon may have: whether edges cross is asked of all pairs.
-pub const CORNER_LIMIT: usize = 4096;
 
 /// The outline of one obstacle.
 ///
@@ -22,13 +24,6 @@ pub enum Shape {
     Polygon(Polygon),
     /// A disc.
     Circle(Circle),
-}
-
-/// A polygon whose edges touch only at the corners that they share; its corners are kept
-/// counter-clockwise.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Polygon {
-    corners: Vec<Point>,
 }
 
 /// A disc.
@@ -76,124 +71,6 @@ pub enum ShapeError {
         /// What was given, metres.
         value: f64,
     },
-}
-
-impl Polygon {
-    /// The polygon with these corners, in either direction; repeated ones count once.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if there are too few corners or too many, one is not finite, or edges cross.
-    ///
-    /// ```
-    /// use wmr::{geometry::Point, shape::{Polygon, ShapeError}};
-    /// let at = |points: &[[f64; 2]]| Polygon::new(points.iter().map(|&p| Point::from(p)).collect());
-    /// assert_eq!(at(&[[0.0, 0.0], [0.0, 1.0], [2.0, 0.0]])?.area(), 1.0);
-    /// let bow_tie = at(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]);
-    /// assert_eq!(bow_tie, Err(ShapeError::Crossing { edges: [0, 2] }));
-    /// # Ok::<(), ShapeError>(())
-    /// ```
-    pub fn new(mut corners: Vec<Point>) -> Result<Self, ShapeError> {
-        if let Some(value) = corners.iter().flat_map(|p| [p.x, p.y]).find(|v| !v.is_finite()) {
-            return Err(ShapeError::NotFinite { value });
-        }
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
-        }
-        match corners.len() {
-            count @ ..=2 => return Err(ShapeError::FewCorners { count }),
-            count if count > CORNER_LIMIT => return Err(ShapeError::ManyCorners { count }),
-            _ => {}
-        }
-        if let Some(edges) = first_crossing(&corners) {
-            return Err(ShapeError::Crossing { edges });
-        }
-        let mut polygon = Self { corners };
-        if polygon.signed_area() < 0.0 {
-            polygon.corners.reverse();
-        }
-        if polygon.area() > 0.0 {
-            Ok(polygon)
-        } else {
-            Err(ShapeError::NoSize { what: "area", value: polygon.area() })
-        }
-    }
-
-    /// The corners, counter-clockwise, metres.
-    pub fn corners(&self) -> &[Point] {
-        &self.corners
-    }
-
-    /// The area, m².
-    pub fn area(&self) -> f64 {
-        self.signed_area().abs()
-    }
-
-    /// The edges from corner to corner, counter-clockwise.
-    pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
-        edges(&self.corners)
-    }
-
-    fn signed_area(&self) -> f64 {
-        self.edges().map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0
-    }
-
-    /// Whether `point` lies inside, by the number of edges to its right (even-odd).
-    fn contains(&self, point: Point) -> bool {
-        let is_right = |(a, b): (Point, Point)| {
-            (a.y > point.y) != (b.y > point.y)
-                && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
-        self.edges().filter(|&edge| is_right(edge)).count() % 2 == 1
-    }
-}
-
-fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> {
-    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
-}
-
-/// The indices of the first two edges that have more in common than the corner between neighbours.
-fn first_crossing(corners: &[Point]) -> Option<[usize; 2]> {
-    let all: Vec<(Point, Point)> = edges(corners).collect();
-    let count = all.len();
-    for i in 0..count {
-        for j in i + 1..count {
-            let (a, b) = (all[i], all[j]);
-            let meets = if j == i + 1 {
-                folds_back(a.0, a.1, b.1)
-            } else if i == 0 && j == count - 1 {
-                folds_back(b.0, b.1, a.1)
-            } else {
-                meet(a, b)
-            };
-            if meets {
-                return Some([i, j]);
-            }
-        }
-    }
-    None
-}
-
-/// Twice the signed area of the triangle, m²; positive if it turns left.
-fn turn(a: Point, b: Point, c: Point) -> f64 {
-    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
-}
-
-/// Whether the way from `a` over `b` to `c` goes back on itself.
-fn folds_back(a: Point, b: Point, c: Point) -> bool {
-    turn(a, b, c) == 0.0 && (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y) < 0.0
-}
-
-/// Whether the two segments have a point in common.
-fn meet(a: (Point, Point), b: (Point, Point)) -> bool {
-    let apart = |p: f64, q: f64, r: f64, s: f64| p.max(q) < r.min(s) || r.max(s) < p.min(q);
-    if apart(a.0.x, a.1.x, b.0.x, b.1.x) || apart(a.0.y, a.1.y, b.0.y, b.1.y) {
-        return false;
-    }
-    let sides =
-        |of: (Point, Point), p: (Point, Point)| (turn(of.0, of.1, p.0), turn(of.0, of.1, p.1));
-    let splits = |(p, q): (f64, f64)| !((p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0));
-    splits(sides(a, b)) && splits(sides(b, a))
 }
 
 impl From<[f64; 3]> for Circle {
@@ -307,7 +184,7 @@ impl Shape {
     pub fn leg_distance(&self, a: Point, b: Point) -> f64 {
         match self {
             Self::Circle(circle) => {
-                (segment_distance(circle.centre, a, b) - circle.radius).max(0.0)
+                (square_to_leg(circle.centre, a, b).sqrt() - circle.radius).max(0.0)
             }
             Self::Rect(rect) => outline_distance(&rect.corners(), rect.contains(a), a, b),
             Self::Polygon(polygon) => {
@@ -396,22 +273,10 @@ fn outline_distance(corners: &[Point], starts_inside: bool, a: Point, b: Point) 
         if meet((a, b), (p, q)) {
             return 0.0;
         }
-        let ends = segment_distance(a, p, q).min(segment_distance(b, p, q));
-        ends.min(segment_distance(p, a, b)).min(segment_distance(q, a, b))
+        let ends = square_to_leg(a, p, q).min(square_to_leg(b, p, q));
+        ends.min(square_to_leg(p, a, b)).min(square_to_leg(q, a, b))
     };
-    edges(corners).map(to_edge).fold(f64::INFINITY, f64::min)
-}
-
-/// The distance between `point` and the straight leg from `a` to `b`.
-fn segment_distance(point: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let square = dx * dx + dy * dy;
-    let along = if square == 0.0 {
-        0.0
-    } else {
-        (((point.x - a.x) * dx + (point.y - a.y) * dy) / square).clamp(0.0, 1.0)
-    };
-    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
+    edges(corners).map(to_edge).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 #[cfg(test)]
@@ -427,22 +292,6 @@ mod tests {
     fn ell() -> Shape {
         let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         polygon(&corners).unwrap().into()
-    }
-
-    #[test]
-    fn what_is_no_polygon_is_refused_with_the_reason() {
-        assert_eq!(polygon(&[[0.0, 0.0], [1.0, 0.0]]), Err(ShapeError::FewCorners { count: 2 }));
-        let twice = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
-        assert_eq!(polygon(&twice), Err(ShapeError::FewCorners { count: 2 }));
-        let spike = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
-        assert_eq!(polygon(&spike), Err(ShapeError::Crossing { edges: [0, 1] }));
-        let touching = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.0], [0.0, 2.0]];
-        assert_eq!(polygon(&touching), Err(ShapeError::Crossing { edges: [0, 2] }));
-        assert!(matches!(
-            polygon(&[[0.0, f64::NAN], [1.0, 0.0], [0.0, 1.0]]),
-            Err(ShapeError::NotFinite { .. })
-        ));
-        assert!(polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]).is_err());
     }
 
     #[test]
