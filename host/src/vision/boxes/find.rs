@@ -173,7 +173,8 @@ impl Picture<'_> {
         let Scene { foot, lamp, leans, .. } = scene;
         let (look, robot) = (self.look, self.robot);
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
-        let shaped = explained.shapes();
+        let distances = explained.distances();
+        let shaped = explained.shapes(&distances);
         let is_kept = |index: usize| !shaped.iter().any(|of| of.replaces.contains(&index));
         let keep = |index: &usize| is_kept(*index);
         let outlines: Vec<LeaningBox> =
@@ -181,7 +182,7 @@ impl Picture<'_> {
         boxes = (0..boxes.len()).filter(keep).map(|index| boxes[index]).collect();
         let shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
-        let has_lines = explained.complete(&shapes, &mut boxes);
+        let has_lines = explained.complete(&distances, &shapes, &mut boxes);
         Found { boxes, shapes, leans, has_lines }
     }
 

@@ -25,6 +25,8 @@ const CLEARLY_BETTER: f64 = 0.03;
 const MUCH_BETTER: f64 = 0.1;
 /// A box belongs to a patch if so much of it lies there.
 const LIES_IN: f64 = 0.5;
+/// So many cells around a patch are looked at: the boxes there may reach beyond it.
+const AROUND_CELLS: usize = 8;
 /// A contour is followed to this many cells.
 const TOLERANCE_CELLS: f64 = 1.25;
 /// An edge runs where the difference to the floor is this part of the greatest within so many cells.
@@ -65,27 +67,15 @@ pub(super) struct Patches<'a> {
 impl Patches<'_> {
     /// The shape that explains a patch clearly better than the boxes that were found there.
     pub(super) fn shape_of(&self, patch: &[usize]) -> Option<Shaped> {
-        let width = self.distances.width();
-        let bounds = around(patch, width);
-        let mut is_of_patch = Raster::filled(width, self.distances.height(), false);
-        patch.iter().for_each(|&cell| is_of_patch.cells_mut()[cell] = true);
-        let point = |cell: usize| self.frame.point((cell % width) as f64, (cell / width) as f64);
-        let replaces = self.boxes_in(&is_of_patch);
+        let window = Window::around(patch, self.distances);
+        let replaces = self.boxes_in(&window);
         let in_boxes =
             |at: Point| replaces.iter().any(|&index| spans(self.boxes[index], self.foot, at, 0.0));
-        let reach = 8;
-        let rows =
-            bounds.y0.saturating_sub(reach)..(bounds.y1 + reach).min(self.distances.height());
-        let cells: Vec<usize> = rows
-            .flat_map(|row| {
-                let columns = bounds.x0.saturating_sub(reach)..(bounds.x1 + reach).min(width);
-                columns.map(move |column| row * width + column)
-            })
-            .collect();
         let agreement = |holds: &dyn Fn(Point) -> bool| {
             let (mut both, mut any) = (0.0, 0.0);
-            for &cell in &cells {
-                let (held, seen) = (holds(point(cell)), is_of_patch.cells()[cell]);
+            for (column, row) in window.places() {
+                let held = holds(self.frame.point(column as f64, row as f64));
+                let seen = window.holds(column, row);
                 both += f64::from(u8::from(held && seen));
                 any += f64::from(u8::from(held || seen));
             }
@@ -95,7 +85,7 @@ impl Patches<'_> {
         if explained > WELL_EXPLAINED {
             return None;
         }
-        let fitted = self.fitted(patch, &is_of_patch)?;
+        let fitted = self.fitted(patch.len(), &window)?;
         let better = agreement(&|at| fitted.shape.contains(at));
         let encloses = fitted.shape.area() * self.frame.scale.powi(2) / patch.len() as f64;
         let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
@@ -111,70 +101,62 @@ impl Patches<'_> {
     }
 
     /// The boxes that lie in a patch.
-    fn boxes_in(&self, is_of_patch: &Raster<bool>) -> Vec<usize> {
-        let (width, height) = (is_of_patch.width() as i64, is_of_patch.height() as i64);
+    fn boxes_in(&self, window: &Window) -> Vec<usize> {
         let lies_in = |index: &usize| {
             let base = self.boxes[*index].base;
             let (left, top) = self.frame.cell(Point::new(base.x0, base.y1));
             let (right, low) = self.frame.cell(Point::new(base.x1, base.y0));
-            let (mut inside, mut all) = (0.0, 0.0);
-            for y in (top.ceil() as i64).max(0)..=(low.floor() as i64).min(height - 1) {
-                for x in (left.ceil() as i64).max(0)..=(right.floor() as i64).min(width - 1) {
-                    all += 1.0;
-                    inside += f64::from(u8::from(is_of_patch.get(x, y) == Some(true)));
-                }
-            }
-            inside > LIES_IN * f64::max(all, 1.0)
+            let spans = |low: f64, at: i64, high: f64| low <= at as f64 && at as f64 <= high;
+            let inside = window.places().filter(|&(column, row)| {
+                spans(left, column, right) && spans(top, row, low) && window.holds(column, row)
+            });
+            let all = (right - left) * (low - top);
+            inside.count() as f64 > LIES_IN * all.max(1.0)
         };
         (0..self.boxes.len()).filter(lies_in).collect()
     }
 
-    /// The shape of a patch's outline.
-    fn fitted(&self, patch: &[usize], is_of_patch: &Raster<bool>) -> Option<FittedShape> {
-        let width = self.distances.width();
-        let mut values = Raster::filled(width, self.distances.height(), 0.0_f32);
-        // The cells around the patch as well: an edge lies between two cells.
-        let reach = around(patch, width);
-        let rows = reach.y0.saturating_sub(1)..(reach.y1 + 1).min(self.distances.height());
-        for row in rows {
-            for column in reach.x0.saturating_sub(1)..(reach.x1 + 1).min(width) {
-                let cell = row * width + column;
-                let value = self.level(column as i64, row as i64, is_of_patch);
-                // What belongs to another patch is not this one's outside to any degree.
-                values.cells_mut()[cell] =
-                    if is_of_patch.cells()[cell] { value } else { value.min(0.999) };
-            }
-        }
-        let inside = values.map(|value| value >= 1.0);
-        let (regions, count) = inside.regions(true);
-        let mut sizes = vec![0_usize; count + 1];
+    /// The shape of a patch's outline; `count` is its number of cells.
+    fn fitted(&self, count: usize, window: &Window) -> Option<FittedShape> {
+        let (width, height) = (window.cells.width(), window.cells.height());
+        let values = Raster::from_fn(width, height, |x, y| {
+            let (column, row) = (window.column + x as i64, window.row + y as i64);
+            let value = self.level(column, row, window);
+            // What belongs to another patch is not this one's outside to any degree.
+            if window.holds(column, row) { value } else { value.min(0.999) }
+        });
+        let (regions, found) = values.map(|value| value >= 1.0).regions(true);
+        let mut sizes = vec![0_usize; found + 1];
         regions.cells().iter().for_each(|&region| sizes[region as usize] += 1);
-        let largest = (1..=count).max_by_key(|&region| sizes[region])?;
+        let largest = (1..=found).max_by_key(|&region| sizes[region])?;
         // Where blur joins two patches by a bridge the outline of one is not that of the whole.
-        if (sizes[largest] as f64) < 0.8 * patch.len() as f64 {
+        if (sizes[largest] as f64) < 0.8 * count as f64 {
             return None;
         }
         let first = regions.cells().iter().position(|&region| region as usize == largest)?;
-        let contour = contour(&values, first);
-        let points: Vec<Point> = contour
+        let (left, top) = (window.column as f64, window.row as f64);
+        let points: Vec<Point> = contour(&values, first)
             .into_iter()
-            .map(|(column, row)| self.to_border(self.frame.point(column, row)))
+            .map(|(column, row)| self.to_border(self.frame.point(left + column, top + row)))
             .collect();
         fit(&points, TOLERANCE_CELLS / self.frame.scale)
     }
 
     /// How far inside of the edge a cell is: at least 1 inside, below 1 outside.
-    fn level(&self, column: i64, row: i64, is_of_patch: &Raster<bool>) -> f32 {
+    fn level(&self, column: i64, row: i64, window: &Window) -> f32 {
         let at = |x: i64, y: i64| self.distances.get(x, y).unwrap_or(0.0);
+        let distance = at(column, row);
+        if distance <= 0.0 {
+            return 0.0;
+        }
         let mut greatest = FOREIGN;
         for y in row - NEAR_CELLS..=row + NEAR_CELLS {
             for x in column - NEAR_CELLS..=column + NEAR_CELLS {
-                if is_of_patch.get(x, y) == Some(true) {
+                if window.holds(x, y) {
                     greatest = greatest.max(at(x, y));
                 }
             }
         }
-        let distance = at(column, row);
         (distance / (HALF * greatest)).min(distance / FOREIGN)
     }
 
@@ -188,6 +170,42 @@ impl Patches<'_> {
             at => at,
         };
         Point::new(snap(point.x, width), snap(point.y, height))
+    }
+}
+
+/// The part of a raster around one patch, and which of its cells are the patch's.
+struct Window {
+    /// The raster's column and row of its first cell.
+    column: i64,
+    row: i64,
+    cells: Raster<bool>,
+}
+
+impl Window {
+    fn around(patch: &[usize], raster: &Raster<f32>) -> Self {
+        let width = raster.width();
+        let bounds = around(patch, width);
+        let (left, top) =
+            (bounds.x0.saturating_sub(AROUND_CELLS), bounds.y0.saturating_sub(AROUND_CELLS));
+        let right = (bounds.x1 + AROUND_CELLS).min(width);
+        let low = (bounds.y1 + AROUND_CELLS).min(raster.height());
+        let mut cells = Raster::filled(right - left, low - top, false);
+        for cell in patch {
+            cells.set((cell % width - left) as i64, (cell / width - top) as i64, true);
+        }
+        Self { column: left as i64, row: top as i64, cells }
+    }
+
+    /// The columns and rows of its cells in the raster.
+    fn places(&self) -> impl Iterator<Item = (i64, i64)> + use<> {
+        let (width, height) = (self.cells.width() as i64, self.cells.height() as i64);
+        let (column, row) = (self.column, self.row);
+        (row..row + height).flat_map(move |y| (column..column + width).map(move |x| (x, y)))
+    }
+
+    /// Whether the raster's cell there is of the patch.
+    fn holds(&self, column: i64, row: i64) -> bool {
+        self.cells.get(column - self.column, row - self.row) == Some(true)
     }
 }
 

@@ -63,18 +63,17 @@ pub(crate) struct Explained<'a> {
 
 impl Explained<'_> {
     /// The shapes of what upright boxes explain badly, with the boxes that they replace.
-    pub(super) fn shapes(&self) -> Vec<Shaped> {
-        let distances = self.distances(&|_| false);
+    pub(super) fn shapes(&self, distances: &Raster<f32>) -> Vec<Shaped> {
         let foreign = distances.map(|distance| distance > FOREIGN);
         let (frame, width) = (self.look.view, foreign.width());
         let (boxes, foot) = (self.boxes, self.foot);
         let is_lit = self.lamp.is_some();
-        let patches = Patches { frame, distances: &distances, boxes, foot, is_lit };
+        let patches = Patches { frame, distances, boxes, foot, is_lit };
         let least = (LEAST_SHAPED * frame.scale.powi(2)).max(LEAST_SHAPED_CELLS) as usize;
         let is_shape = |patch: &Vec<usize>| {
             let rect = self.metres(around(patch, width));
             patch.len() >= least
-                && is_sure(&distances, patch)
+                && is_sure(distances, patch)
                 && !is_along_wall(rect, frame.arena)
                 && !joins_opposite_sides(rect, frame.arena)
                 && !is_part_of_robot(rect, self.robot)
@@ -90,13 +89,24 @@ impl Explained<'_> {
     /// Widens the margins of `bounded`, one for each of the boxes, by what sticks out a little, and adds
     /// rectangles around all else that neither they nor `shapes` explain. Whether lines on the floor were
     /// left out.
-    pub(crate) fn complete(&self, shapes: &[Obstacle], bounded: &mut Vec<Bounded>) -> bool {
+    pub(crate) fn complete(
+        &self,
+        distances: &Raster<f32>,
+        shapes: &[Obstacle],
+        bounded: &mut Vec<Bounded>,
+    ) -> bool {
         let blur = SHAPE_BLUR / self.look.view.scale;
         let is_of_shape = |point: Point| {
             let near = |of: &Obstacle| of.footprint.distance(point) < of.largest_margin() + blur;
             shapes.iter().any(near)
         };
-        let distances = self.distances(&|point| self.is_of_box(point) || is_of_shape(point));
+        let view = &self.look.view;
+        let distances = Raster::from_fn(distances.width(), distances.height(), |column, row| {
+            let distance = distances.row(row)[column];
+            let point = view.point(column as f64, row as f64);
+            let is_explained = || self.is_of_box(point) || is_of_shape(point);
+            if distance <= 0.0 || is_explained() { 0.0 } else { distance }
+        });
         let foreign = distances.map(|distance| distance > FOREIGN);
         let arena = self.look.frame.arena;
         let width = foreign.width();
@@ -196,9 +206,9 @@ impl Explained<'_> {
         Rect::new(low.x, low.y, high.x, high.y)
     }
 
-    /// How far from floor every cell is that nothing explains, standard deviations; 0 for the others, and
-    /// where something `is_explained`.
-    fn distances(&self, is_explained: &dyn Fn(Point) -> bool) -> Raster<f32> {
+    /// How far from floor every cell is that is neither floor, shadow of a known light nor robot, standard
+    /// deviations; 0 for the others.
+    pub(super) fn distances(&self) -> Raster<f32> {
         let (frame, features) = (&self.look.view, &self.look.features);
         let border = (BORDER_CELLS / frame.scale).max(BORDER_METRES);
         let width = features.width();
@@ -209,7 +219,7 @@ impl Explained<'_> {
             }
             let difference =
                 self.look.floor.difference(point, features.cells()[row * width + column]);
-            if difference.lit <= FOREIGN || self.is_of_robot(point) || is_explained(point) {
+            if difference.lit <= FOREIGN || self.is_of_robot(point) {
                 return 0.0;
             }
             let floor = difference.floor;
