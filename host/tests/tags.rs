@@ -89,17 +89,17 @@ fn arena(which: &[usize]) -> wmr::vision::Photo {
     canvas.fill([[0.9, 0.5], [1.2, 0.5], [1.2, 0.8], [0.9, 0.8]].map(pixel), |_| Some(35.0));
     let dictionary = TagDictionary::named("4X4_50").unwrap();
     let mut tag = |id: usize, [x, y]: [f64; 2], turn: f64| {
-        // Clockwise as the picture shows them, from the tag's own top left, whose upper edge points to `turn`.
+        // Clockwise as the picture shows them, from the tag's own top left, whose right edge points to `turn`.
         let corners =
             [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[u, v]: [f64; 2]| {
                 let (u, v) = (0.045 * u, 0.045 * v);
-                let (sin, cos) = (turn - TAU / 4.0).sin_cos();
+                let (sin, cos) = turn.sin_cos();
                 pixel([x + u * cos - v * sin, y + u * sin + v * cos])
             });
         canvas.tag(&DrawnTag { dictionary, id, corners });
     };
     let corners = [[0.045, 0.045], [1.555, 0.045], [1.555, 1.155], [0.045, 1.155]];
-    which.iter().for_each(|&corner| tag(10 + corner, corners[corner], TAU / 4.0));
+    which.iter().for_each(|&corner| tag(10 + corner, corners[corner], 0.0));
     tag(7, [0.4, 0.5], 2.0);
     tag(8, [1.4, 0.95], 0.5);
     canvas.photo(0.7, 2.0, &mut random)

@@ -127,7 +127,7 @@ pub(crate) struct VisionArgs {
     /// Tags (ArUco 4x4 to 7x7, AprilTag) stand in the arena's four corners: which of their points is the corner.
     #[arg(long, value_enum, conflicts_with = "corners", value_name = "POINT")]
     pub(crate) tags: Option<TagPointName>,
-    /// The tag on the robot's top, its upper edge ahead.
+    /// The tag on the robot's top, its right edge ahead.
     #[arg(long, value_name = "ID")]
     pub(crate) robot_tag: Option<usize>,
     /// A tag that lies where the robot is to go.

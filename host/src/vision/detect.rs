@@ -60,7 +60,7 @@ pub struct DetectOptions {
     pub camera: Option<Camera>,
     /// Which point of the tags in the arena's corners is its corner, if there are such tags.
     pub tags: Option<TagPoint>,
-    /// The number of the tag on the robot's top, if it has one: its upper edge points ahead.
+    /// The number of the tag on the robot's top, if it has one: its right edge points ahead.
     pub robot_tag: Option<usize>,
     /// The number of a tag that lies where the robot is to go.
     pub goal_tag: Option<usize>,

@@ -9,7 +9,7 @@ use crate::geometry::{Point, Pose};
 use crate::shape::{Circle, Polygon, Shape};
 
 /// What reaches no further beyond a tag's rim than this is part of it, metres: blur, and a turned-up corner.
-const TAG_SLACK: f64 = 0.015;
+const TAG_SLACK: f64 = 0.025;
 
 /// The tags of a photo, by what they mark.
 pub(super) struct Marks {

@@ -54,11 +54,11 @@ pub(crate) fn corners(tags: &[&Tag], point: TagPoint) -> Result<[[f64; 2]; 4], V
     }))
 }
 
-/// Where a tag lies on the floor's plane and which way its upper edge points.
+/// Where a tag lies on the floor's plane and which way its own x axis, from left to right, points.
 pub(crate) fn pose(tag: &Tag, map: &PlanMap) -> Pose {
-    let [left, right, ..] = tag.corners_px.map(|corner| map.to_floor(corner));
+    let [_, upper, lower, _] = tag.corners_px.map(|corner| map.to_floor(corner));
     let position = map.to_floor(tag.centre_px());
-    let ahead = Point::new((left.x + right.x) / 2.0, (left.y + right.y) / 2.0);
+    let ahead = Point::new((upper.x + lower.x) / 2.0, (upper.y + lower.y) / 2.0);
     let heading = (ahead.y - position.y).atan2(ahead.x - position.x);
     Pose { position, heading }
 }
@@ -99,17 +99,17 @@ mod tests {
     }
 
     #[test]
-    fn a_tag_points_where_its_upper_edge_is() {
+    fn a_tag_points_along_its_own_x_axis() {
         let arena = crate::geometry::Arena { width: 4.0, height: 3.0 };
         let photo = crate::vision::Photo::from_rgb(400, 300, vec![[9; 3]; 120_000]).unwrap();
         let corners = [[0.0, 299.0], [399.0, 299.0], [399.0, 0.0], [0.0, 0.0]];
         let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
         let mut turned = tag(5, [200.0, 150.0]);
-        assert!((pose(&turned, &map).heading - std::f64::consts::FRAC_PI_2).abs() < 0.01);
+        assert!(pose(&turned, &map).heading.abs() < 0.01);
         turned.corners_px.rotate_right(1);
-        // Its top left is now where its lower left was: it points to the left of the picture.
-        let heading = pose(&turned, &map).heading.abs();
-        assert!((heading - std::f64::consts::PI).abs() < 0.01, "{heading}");
+        // Its top left is now where its lower left was: its x axis points up in the picture.
+        let heading = pose(&turned, &map).heading;
+        assert!((heading - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{heading}");
         let patch = patch(&turned, &map);
         assert!((patch[0].distance(patch[1]) - 0.2 * 8.0 / 6.0).abs() < 0.01);
     }
