@@ -12,6 +12,7 @@ use crate::occupied::{inside, invented, missed, overlap, partners, uncovered};
 use serde_json::Value;
 use std::path::PathBuf;
 use wmr::geometry::{Arena, Pose, Rect};
+use wmr::scene::Obstacle;
 use wmr::vision::{Camera, DetectOptions, Photo, VisionError, decode, detect, detect_pair};
 
 /// A measure: its name, its unit, and how much worse than today it may be. The slack is for other compilers
@@ -121,7 +122,10 @@ impl Scene {
         });
         let apart =
             seen.corners_px.iter().zip(corners).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-        let rects: Vec<Rect> = seen.obstacles.iter().map(|of| of.footprint.bounds()).collect();
+        // All boxes of these scenes are upright: any other shape is a fault.
+        let upright =
+            |of: &Obstacle| of.footprint.as_rect().expect("a box of these scenes is upright");
+        let rects: Vec<Rect> = seen.obstacles.iter().map(upright).collect();
         let found = inside(&rects, arena);
         let widened =
             seen.obstacles.iter().zip(&rects).map(|(obstacle, rect)| rect.widened(obstacle.margin));

@@ -9,7 +9,7 @@ use crate::vision::boxes::{self, Bounded, Found, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
-use crate::vision::marks::{Marks, is_of_mark, known_top};
+use crate::vision::marks::{Marks, known_top};
 use crate::vision::paper::{Steps, paper_rectangles, steps};
 use crate::vision::robot::{self, RobotTop};
 use crate::vision::tags::{self, TagPoint};
@@ -151,7 +151,9 @@ pub fn detect(
         Method::Robust => Look::at(photo, &map, arena),
         Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),
     };
-    let look = look.ok_or(VisionError::Corners)?;
+    let mut look = look.ok_or(VisionError::Corners)?;
+    let left_out = marks.left_out(&map, &options.ignored);
+    look.leave_out(left_out.clone());
     warnings
         .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
     let tagged = marks.robot.as_ref().map(|tag| tags::pose(tag, &map));
@@ -169,7 +171,7 @@ pub fn detect(
     };
     let found = match options.method {
         Method::Paper => {
-            let boxes = paper_rectangles(photo, &map, arena, top);
+            let boxes = paper_rectangles(photo, &map, arena, top, &left_out);
             Found { boxes, shapes: Vec::new(), leans: None, has_lines: false }
         }
         Method::Robust => boxes::find(photo, &map, look, top, viewpoint),
@@ -184,17 +186,14 @@ pub fn detect(
     });
     let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
     warnings.extend(found.has_lines.then(|| FLOOR_LINES.into()));
-    let sought = options.camera.is_none() && options.corners.is_none();
+    let sought = options.camera.is_none() && options.corners.is_none() && options.tags.is_none();
     if sought && lined_sides(&rects, arena) >= LINED_SIDES {
         return Err(VisionError::OddBorder { arena });
     }
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
-    let patches: Vec<Vec<Point>> = marks.seen.iter().map(|tag| tags::patch(tag, &map)).collect();
-    let is_real = |of: &Obstacle| !is_of_mark(&of.footprint, &patches, &options.ignored);
-    let obstacles = boxes.iter().map(Bounded::obstacle).chain(found.shapes).filter(is_real);
     Ok(Detection {
-        obstacles: obstacles.collect(),
+        obstacles: boxes.iter().map(Bounded::obstacle).chain(found.shapes).collect(),
         goal: marks.goal.as_ref().map(|tag| map.to_floor(tag.centre_px())),
         corners_px: map.seen_corners(arena),
         robot,

@@ -1,15 +1,13 @@
 //! What marks in a photo mean: tags in the arena's corners, on the robot and at the goal, and places where
 //! nothing is an obstacle. Metres in the arena frame.
 
+use super::camera::PlanMap;
 use super::detect::DetectOptions;
 use super::image::Photo;
 use super::robot::RobotTop;
-use super::tags::{Tag, TagDictionary, find_tags};
-use crate::geometry::{Point, Pose};
+use super::tags::{self, Tag, TagDictionary, find_tags};
+use crate::geometry::Pose;
 use crate::shape::{Circle, Polygon, Shape};
-
-/// What reaches no further beyond a tag's rim than this is part of it, metres: blur, and a turned-up corner.
-const TAG_SLACK: f64 = 0.025;
 
 /// The tags of a photo, by what they mark.
 pub(super) struct Marks {
@@ -35,6 +33,14 @@ impl Marks {
         self.seen.iter().filter(|tag| !is_other(tag)).collect()
     }
 
+    /// The places on the floor that tags cover and those that a person leaves out: nothing there is an
+    /// obstacle.
+    pub(super) fn left_out(&self, map: &PlanMap, ignored: &[Circle]) -> Vec<Shape> {
+        // A tag whose outline is none on the floor is seen edge on, and stands on no floor.
+        let tags = self.seen.iter().filter_map(|tag| Polygon::new(tags::patch(tag, map)).ok());
+        tags.map(Shape::from).chain(ignored.iter().map(|&disc| disc.into())).collect()
+    }
+
     /// What to say of tags that were asked for and are not seen.
     pub(super) fn missing(&self, options: &DetectOptions) -> Vec<String> {
         let wanted =
@@ -53,17 +59,4 @@ impl Marks {
 /// The robot whose pose is known otherwise than by its disc.
 pub(super) fn known_top(pose: Pose, radius: f64) -> RobotTop {
     RobotTop { centre: pose.position, radius, heading: pose.heading, certainty: 1.0 }
-}
-
-/// Whether a shape is no more than a tag on the floor, or lies where nothing is an obstacle.
-pub(super) fn is_of_mark(shape: &Shape, patches: &[Vec<Point>], ignored: &[Circle]) -> bool {
-    let outline = shape.outline();
-    let slack = |corner: &Point, patch: &Polygon| {
-        Shape::Polygon(patch.clone()).distance(*corner) < TAG_SLACK
-    };
-    let is_tag = patches.iter().filter_map(|patch| Polygon::new(patch.clone()).ok());
-    let mut tags = is_tag.filter(|patch| outline.iter().all(|corner| slack(corner, patch)));
-    let in_disc =
-        |disc: &Circle| outline.iter().all(|corner| corner.distance(disc.centre) <= disc.radius);
-    tags.next().is_some() || ignored.iter().any(in_disc)
 }

@@ -62,11 +62,10 @@ pub(super) struct DiscWay {
 /// # Errors
 /// [`GridError`] if a coordinate is too large or the robot does not fit between the borders.
 pub fn inflated_contours(scene: &Scene, margin: f64) -> Result<Vec<Vec<Point>>, GridError> {
-    let arena = DiscArena::new(scene, margin)?;
-    let contour = |shape: &Inflated| {
-        shape.contour(arena.fine).into_iter().map(|at| arena.fine.to_metres(at)).collect()
-    };
-    Ok(arena.test.shapes().iter().map(contour).collect())
+    let (fine, _, shapes) = inflated(scene, margin)?;
+    let contour =
+        |shape: &Inflated| shape.contour(fine).into_iter().map(|at| fine.to_metres(at)).collect();
+    Ok(shapes.iter().map(contour).collect())
 }
 
 /// Why there is no way.
@@ -86,19 +85,7 @@ impl DiscArena {
     /// # Errors
     /// [`GridError`] if a coordinate is too large or the robot does not fit between the borders.
     pub(super) fn new(scene: &Scene, margin: f64) -> Result<Self, GridError> {
-        if !(margin.is_finite() && margin >= 0.0) {
-            return Err(GridError::Margin { metres: margin });
-        }
-        let radius = scene.robot_radius + margin;
-        let (width, height) = (scene.arena.width, scene.arena.height);
-        if width.min(height) <= 2.0 * radius {
-            return Err(GridError::ArenaTooSmall { arena: scene.arena, need: 2.0 * radius });
-        }
-        let floor = Rect::new(0.0, 0.0, width, height);
-        let fine = lattice_for(scene, floor, radius)?;
-        let inside = shrunk(floor, radius, fine);
-        let shapes: Vec<Inflated> =
-            scene.obstacles.iter().map(|obstacle| Inflated::new(obstacle, radius, fine)).collect();
+        let (fine, inside, shapes) = inflated(scene, margin)?;
         let contours: Vec<Vec<LatticePoint>> =
             shapes.iter().map(|shape| shape.contour(fine)).collect();
         let (cells, mesh) = trapezoids(&border_of_free_space(inside, &contours));
@@ -296,6 +283,24 @@ impl DiscArena {
         holding.dedup();
         holding
     }
+}
+
+/// The lattice for a scene, the shrunk border on it, and the shapes with the radius to keep from each.
+fn inflated(scene: &Scene, margin: f64) -> Result<(Fine, LatticeRect, Vec<Inflated>), GridError> {
+    if !(margin.is_finite() && margin >= 0.0) {
+        return Err(GridError::Margin { metres: margin });
+    }
+    let radius = scene.robot_radius + margin;
+    let (width, height) = (scene.arena.width, scene.arena.height);
+    if width.min(height) <= 2.0 * radius {
+        return Err(GridError::ArenaTooSmall { arena: scene.arena, need: 2.0 * radius });
+    }
+    let floor = Rect::new(0.0, 0.0, width, height);
+    let fine = lattice_for(scene, floor, radius)?;
+    let inside = shrunk(floor, radius, fine);
+    let shapes: Vec<Inflated> =
+        scene.obstacles.iter().map(|obstacle| Inflated::new(obstacle, radius, fine)).collect();
+    Ok((fine, inside, shapes))
 }
 
 /// The obstacle with its edges as far out as they may lie; a shape that has no four edges as it is.

@@ -5,6 +5,7 @@
 use super::floor::{Difference, Feature, FloorModel, feature, sample_step};
 use super::shadow::{self, Residuals, Shadow};
 use crate::geometry::{Arena, Point};
+use crate::shape::Shape;
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, Raster};
 use crate::vision::plan_view::{PlanFrame, view_of};
@@ -24,6 +25,9 @@ pub(crate) const SURE: f32 = 2.5;
 /// A colour this many standard deviations off the floor's is not floor.
 pub(crate) const FOREIGN: f32 = 6.0;
 
+/// Cells this near to a place that is left out are blurred with it.
+const LEFT_OUT_BLUR: f64 = 2.0;
+
 /// A plan view's colours and the floor's.
 pub(crate) struct Look {
     /// The plan view with all that may hide parts of the arena.
@@ -36,6 +40,8 @@ pub(crate) struct Look {
     shadows: Vec<Shadow>,
     /// Unknown if only the robot is looked for.
     bright: Option<Bright>,
+    /// Where nothing is an obstacle, whatever it looks like.
+    left_out: Vec<Shape>,
 }
 
 /// Where bright floor was found, by coarse cells.
@@ -73,7 +79,15 @@ impl Look {
         let view = PlanFrame { margin: frame.margin - left_out, ..frame };
         let features = view_of(photo, map, &view, feature);
         let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
-        Some(Self { frame, view, features, floor, shadows: Vec::new(), bright: None })
+        Some(Self {
+            frame,
+            view,
+            features,
+            floor,
+            shadows: Vec::new(),
+            bright: None,
+            left_out: Vec::new(),
+        })
     }
 
     /// What shadow may look like, likeliest first: one reading at least, of none if there is none.
@@ -89,6 +103,19 @@ impl Look {
         let point = self.view.point(column as f64, row as f64);
         let arena = self.view.arena;
         point.x > 0.0 && point.y > 0.0 && point.x < arena.width && point.y < arena.height
+    }
+
+    /// From now on nothing is an obstacle in these places.
+    pub(crate) fn leave_out(&mut self, places: Vec<Shape>) {
+        self.left_out = places;
+    }
+
+    /// Whether a cell of `scale` cells a metre lies in a place that is left out, or is blurred with it.
+    pub(crate) fn is_left_out(&self, point: Point, scale: f64) -> bool {
+        let blur = LEFT_OUT_BLUR / scale;
+        let is_near =
+            |place: &Shape| place.bounds().distance(point) < blur && place.distance(point) < blur;
+        self.left_out.iter().any(is_near)
     }
 
     /// Whether a point belongs to floor that is lit or brighter than the model.

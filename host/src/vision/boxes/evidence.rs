@@ -71,7 +71,7 @@ impl Evidence {
             let point = frame.point(column as f64, row as f64);
             let of_robot =
                 robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-            let seen = photo.holds(map.to_photo(point));
+            let seen = photo.holds(map.to_photo(point)) && !look.is_left_out(point, scale);
             match outside(arena, point) {
                 _ if of_robot || !seen => 0.0,
                 Some(_) => OUTSIDE_WEIGHT,

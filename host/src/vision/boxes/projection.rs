@@ -27,6 +27,16 @@ pub(crate) enum Face {
 }
 
 impl LeaningBox {
+    /// Whether a point lies in the outline as it is seen from above `foot`, or within `slack` metres of it; in
+    /// the footprint if the box does not lean.
+    pub(crate) fn spans(self, foot: Option<Point>, point: Point, slack: f64) -> bool {
+        let base = self.base.widened([slack; 4]);
+        match foot {
+            None => base.contains(point),
+            Some(foot) => LeaningBox { base, ..self }.face(point, foot).is_some(),
+        }
+    }
+
     /// Where the top appears on the floor, seen from above `foot`.
     pub(crate) fn top(&self, foot: Point) -> Rect {
         enlarged(self.base, foot, self.lean)

@@ -8,7 +8,6 @@
 //! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
 
 use super::projection::LeaningBox;
-use super::uncovered::spans;
 use crate::geometry::{Arena, Point, Rect};
 use crate::scene::Obstacle;
 use crate::shape::{Polygon, Shape};
@@ -70,7 +69,7 @@ impl Patches<'_> {
         let window = Window::around(patch, self.distances);
         let replaces = self.boxes_in(&window);
         let in_boxes =
-            |at: Point| replaces.iter().any(|&index| spans(self.boxes[index], self.foot, at, 0.0));
+            |at: Point| replaces.iter().any(|&index| self.boxes[index].spans(self.foot, at, 0.0));
         let agreement = |holds: &dyn Fn(Point) -> bool| {
             let (mut both, mut any) = (0.0, 0.0);
             for (column, row) in window.places() {

@@ -219,7 +219,8 @@ impl Explained<'_> {
             }
             let difference =
                 self.look.floor.difference(point, features.cells()[row * width + column]);
-            if difference.lit <= FOREIGN || self.is_of_robot(point) {
+            let is_left_out = || self.look.is_left_out(point, frame.scale);
+            if difference.lit <= FOREIGN || self.is_of_robot(point) || is_left_out() {
                 return 0.0;
             }
             let floor = difference.floor;
@@ -233,7 +234,7 @@ impl Explained<'_> {
 
     fn is_of_box(&self, point: Point) -> bool {
         let blur = BOX_BLUR / self.look.view.scale;
-        self.boxes.iter().any(|seen| spans(*seen, self.foot, point, blur))
+        self.boxes.iter().any(|seen| seen.spans(self.foot, point, blur))
     }
 
     /// Whether a known light source or the robot may cast a shadow there.
@@ -247,16 +248,6 @@ impl Explained<'_> {
 fn is_sure(distances: &Raster<f32>, patch: &[usize]) -> bool {
     let peaks = patch.iter().filter(|&&cell| distances.cells()[cell] > LEAST_PEAK * FOREIGN);
     patch.len() >= LEAST_CELLS && peaks.count() >= LEAST_CELLS / 2
-}
-
-/// Whether a point lies in an outline, or within `slack` metres of it.
-pub(super) fn spans(seen: LeaningBox, foot: Option<Point>, point: Point, slack: f64) -> bool {
-    let Rect { x0, y0, x1, y1 } = seen.base;
-    let base = Rect::new(x0 - slack, y0 - slack, x1 + slack, y1 + slack);
-    match foot {
-        None => base.contains(point),
-        Some(foot) => LeaningBox { base, ..seen }.face(point, foot).is_some(),
-    }
 }
 
 /// Whether a rectangle lies in the strip along a side of the arena where the wall's foot is.

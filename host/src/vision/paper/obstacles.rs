@@ -5,6 +5,7 @@
 
 use super::steps::{PaperSteps, paper_obstacles, paper_steps};
 use crate::geometry::{Arena, Point, Rect};
+use crate::shape::Shape;
 use crate::vision::boxes::Bounded;
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{CellRect, Photo, Raster, rectangles};
@@ -53,10 +54,11 @@ pub(crate) fn paper_rectangles(
     map: &PlanMap,
     arena: Arena,
     robot: Option<RobotTop>,
+    left_out: &[Shape],
 ) -> Vec<Bounded> {
     let frame = paper_frame(map, arena);
     let obstacles = paper_obstacles(&brightness_view(photo, map, &frame));
-    let mask = without(&obstacles, &frame, robot);
+    let mask = without(&obstacles, &frame, robot, left_out);
     let least = (LEAST_SIDE * frame.scale).max(2.5);
     let found = rectangles(&mask, least * least);
     let thick = found
@@ -66,8 +68,14 @@ pub(crate) fn paper_rectangles(
     thick.map(|cells| Bounded { rect: metres(&frame, cells), margin: [2.0 * cell; 4] }).collect()
 }
 
-/// The mask without the robot and without the cells that are blurred with the border.
-fn without(mask: &Raster<bool>, frame: &PlanFrame, robot: Option<RobotTop>) -> Raster<bool> {
+/// The mask without the robot, without what is left out, and without the cells that are blurred with the
+/// border.
+fn without(
+    mask: &Raster<bool>,
+    frame: &PlanFrame,
+    robot: Option<RobotTop>,
+    left_out: &[Shape],
+) -> Raster<bool> {
     let blur = BORDER_BLUR / frame.scale;
     Raster::from_fn(mask.width(), mask.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
@@ -76,7 +84,9 @@ fn without(mask: &Raster<bool>, frame: &PlanFrame, robot: Option<RobotTop>) -> R
             && point.x < frame.arena.width - blur
             && point.y < frame.arena.height - blur;
         let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-        inside && !of_robot && mask.get(column as i64, row as i64) == Some(true)
+        let is_marked = mask.get(column as i64, row as i64) == Some(true);
+        let is_left_out = || left_out.iter().any(|place| place.distance(point) < blur);
+        inside && !of_robot && is_marked && !is_left_out()
     })
 }
 
