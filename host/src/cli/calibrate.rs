@@ -16,7 +16,6 @@ use hil_sim::in_process::InProcess;
 use protocol::motion;
 use protocol::parameters::Parameters;
 use serde_json::{Value, json};
-use std::io;
 use wmr::calibration::{BaseLengths, Calibration, Course, Run, calibrate, seen_from};
 use wmr::geometry::Pose;
 use wmr::legs::from_wire;
@@ -164,17 +163,12 @@ impl Floor {
         }
     }
 
-    /// A line from the person; the link is kept alive by nobody meanwhile, for the robot rests.
+    /// A line from the person; the robot rests meanwhile.
     fn line(&self) -> Result<String, CliError> {
-        let mut line = String::new();
-        match io::stdin().read_line(&mut line) {
-            _ if mission::interrupted() => Err(interrupted_error("the robot rests")),
-            Ok(1..) => Ok(line.trim().to_owned()),
-            _ => Err(CliError::usage(
-                "the input ended before all courses were measured",
-                "calibrate in a terminal, or give an answer a line: an empty one to start, then x,y,angle",
-            )),
-        }
+        mission::line_of_person(
+            "the input ended before all courses were measured",
+            "calibrate in a terminal, or give an answer a line: an empty one to start, then x,y,angle",
+        )
     }
 }
 

@@ -15,7 +15,6 @@ use super::{params, ports};
 use protocol::message::Wheel;
 use protocol::parameters::{Parameters, Wiring};
 use serde_json::{Value, json};
-use std::io;
 use wmr::link::drive::wait_for;
 use wmr::link::parameters::{Answer, Request};
 use wmr::link::{LinkClient, LinkError};
@@ -140,17 +139,12 @@ impl Bench {
         }
     }
 
-    /// A line from the person; nothing turns meanwhile.
+    /// A line from the person; the robot rests meanwhile.
     fn line(&self) -> Result<String, CliError> {
-        let mut line = String::new();
-        match io::stdin().read_line(&mut line) {
-            _ if mission::interrupted() => Err(interrupted_error("the robot rests")),
-            Ok(1..) => Ok(line.trim().to_owned()),
-            _ => Err(CliError::usage(
-                "the input ended before both wheels were seen",
-                "check in a terminal, or give an answer a line: empty, lf, empty, rf, empty",
-            )),
-        }
+        mission::line_of_person(
+            "the input ended before both wheels were seen",
+            "check in a terminal, or give an answer a line: empty, lf, empty, rf, empty",
+        )
     }
 }
 

@@ -254,6 +254,17 @@ pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Robo
     robot.ok_or_else(|| interrupted_error("nothing has moved"))
 }
 
+/// A line that a person types while the robot rests; where the input ends instead, an error that says `why`
+/// and what to do.
+pub(crate) fn line_of_person(why: &str, help: &str) -> Result<String, CliError> {
+    let mut line = String::new();
+    match std::io::stdin().read_line(&mut line) {
+        _ if interrupted() => Err(interrupted_error("the robot rests")),
+        Ok(1..) => Ok(line.trim().to_owned()),
+        _ => Err(CliError::usage(why, help)),
+    }
+}
+
 pub(crate) fn interrupted_error(message: &str) -> CliError {
     CliError::new(Exit::Interrupted, "interrupted", message, "drive again when ready")
 }

@@ -1,0 +1,228 @@
+//! The words of the command line.
+
+mod photo;
+mod robot;
+mod way;
+
+pub(crate) use photo::{MethodName, VisionArgs};
+pub(crate) use robot::{
+    CalibrateBaseArgs, CalibrateCameraArgs, CalibrateCommand, CheckBaseArgs, CheckCommand,
+    ParamsArgs, PortArgs,
+};
+pub(crate) use way::{CostName, PlannerName, TimingName, WayArgs};
+
+use super::quantity;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// What every command understands stands below its own options.
+const LAST: usize = 100;
+
+/// From a photo of an arena to a robot that drives through it without touching anything.
+///
+/// Lengths are metres, angles degrees; suffixes mm, cm, m, deg and rad are understood.
+#[derive(Debug, Parser)]
+#[command(name = "wmr", version, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print exactly one JSON document on standard output, errors too.
+    #[arg(long, global = true, display_order = LAST)]
+    pub(crate) json: bool,
+    /// Say nothing on standard error but errors.
+    #[arg(short, long, global = true, display_order = LAST)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Drive a simulated robot through a photographed arena, without any hardware.
+    Demo(DemoArgs),
+    /// Open the page: see what was recognised, correct it, plan, drive and stop.
+    #[cfg(feature = "dashboard")]
+    Serve(ServeArgs),
+    /// Find arena, obstacles and robot in a photo.
+    Detect(DetectArgs),
+    /// Find the way from start to goal.
+    Plan(PlanArgs),
+    /// Drive a robot, real or simulated, along a plan.
+    Drive(DriveArgs),
+    /// Write an arena as a grid map for other programs.
+    Export(ExportArgs),
+    /// Tags to print: for the arena's corners, the robot and the goal.
+    Tags(TagsArgs),
+    /// Be a simulated robot for any program that speaks to a serial port.
+    Sim(SimArgs),
+    /// List the serial ports, and which of them is a robot.
+    Ports,
+    /// Ask the robot behind a port who it is.
+    Info(PortArgs),
+    /// Show a robot's numbers (lengths, limits, gains), or change them.
+    Params(ParamsArgs),
+    /// Find out what a robot's lengths really are, or where a camera stands.
+    #[command(subcommand)]
+    Calibrate(CalibrateCommand),
+    /// Find out whether a robot is put together right, before its first drive.
+    #[command(subcommand)]
+    Check(CheckCommand),
+    /// Stop the robot behind a port; it stays stopped until it is told to drive.
+    Stop(PortArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Where pictures and log go.
+    #[arg(long, default_value = "wmr-out", value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_DEMO_PORT", default_value = "sim")]
+    pub(crate) port: String,
+    /// Show the same photo on the page of wmr serve instead, to plan and drive there.
+    #[cfg(feature = "dashboard")]
+    #[arg(long, conflicts_with = "out")]
+    pub(crate) page: bool,
+}
+
+/// The page of wmr serve.
+#[cfg(feature = "dashboard")]
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Where the page is served: an address of this computer; beyond 127.0.0.1 others in the network can
+    /// open it with the token that is printed.
+    #[arg(long, default_value = "127.0.0.1:7070", value_name = "ADDR")]
+    pub(crate) addr: String,
+    /// The robot: auto, sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "sim")]
+    pub(crate) port: String,
+    /// Do not open the page in the browser.
+    #[arg(long)]
+    pub(crate) no_open: bool,
+    /// With a simulated robot: how many of its seconds pass in one second.
+    #[arg(long, value_parser = quantity::speed, default_value = "1", value_name = "N")]
+    pub(crate) sim_speed: f64,
+    /// Which of many slightly different robots is simulated.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) sim_seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DetectArgs {
+    /// An overhead picture of the arena, PNG or JPEG.
+    pub(crate) photo: PathBuf,
+    /// A second picture, by another camera: heights are then measured (needs --camera).
+    #[arg(requires = "camera", conflicts_with_all = ["corners", "method"])]
+    pub(crate) photo_b: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    /// Radius of the disc that covers the robot.
+    #[arg(long, value_parser = quantity::distance, default_value = "0.075", value_name = "R")]
+    pub(crate) radius: f64,
+    /// Draw each step into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) steps: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArgs {
+    /// A photo (PNG, JPEG), a scene or plan (JSON), or a map (.map, .yaml).
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    #[command(flatten)]
+    pub(crate) way: WayArgs,
+    /// Plan all queries that the input lists, in one arena prepared once.
+    #[arg(long, conflicts_with_all = ["start", "goal", "output", "steps"])]
+    pub(crate) queries: bool,
+    /// Write the plan to this file, for wmr drive.
+    #[arg(short, long, value_name = "PLAN")]
+    pub(crate) output: Option<PathBuf>,
+    /// Draw each step into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) steps: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// A photo, a scene, a plan or a map.
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    /// NAME.yaml writes a ROS map with NAME.pgm beside it, NAME.map a Moving AI map.
+    #[arg(short, long, value_name = "NAME")]
+    pub(crate) output: PathBuf,
+    /// Side of a cell [default: 0.05, of a Moving AI map 1; a ROS map keeps its own].
+    #[arg(long, value_parser = quantity::length, value_name = "M")]
+    pub(crate) resolution: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TagsArgs {
+    /// The SVG file to write: one sheet of A4, true to scale.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// The tags' numbers.
+    #[arg(long, value_delimiter = ',', default_value = "0,1,2,3,7", value_name = "ID,...")]
+    pub(crate) ids: Vec<usize>,
+    /// The dictionary: 4X4_50 and the like, MIP_36h12, 36h11, 25h9.
+    #[arg(long, default_value = "4X4_50", value_name = "NAME")]
+    pub(crate) dictionary: String,
+    /// How wide the black square is.
+    #[arg(long, value_parser = quantity::length, default_value = "50mm", value_name = "M")]
+    pub(crate) size: f64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DriveArgs {
+    /// A plan, a photo, a scene or a map.
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) vision: VisionArgs,
+    #[command(flatten)]
+    pub(crate) way: WayArgs,
+    /// auto, sim, elf:FILE, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// Go on with the rest of the same plan, which was cut short.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Write photo, scene, plan, run and pictures into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) log: Option<PathBuf>,
+    /// The robot was carried to the plan's start: pass over where it knows itself to stand.
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) from_start: bool,
+    /// Which of many slightly different robots is simulated.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) sim_seed: u64,
+    /// How far beside its start a robot on --port sim really stands, and how much it is turned.
+    #[arg(long, value_parser = quantity::offset, value_name = "MM,DEG")]
+    pub(crate) sim_start_error: Option<(f64, f64)>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SimArgs {
+    /// Offer a pseudo-terminal under this name (Unix).
+    #[arg(long, value_name = "LINK", conflicts_with = "tcp", required_unless_present = "tcp")]
+    pub(crate) pty: Option<PathBuf>,
+    /// Offer a socket at this address, such as 127.0.0.1:7071.
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) tcp: Option<String>,
+    /// Run this flashed binary in an emulator instead of the robot's logic alone.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) elf: Option<PathBuf>,
+    /// Let somebody else's physics, which connect here, take the base's place.
+    #[arg(long, value_name = "ADDR", conflicts_with = "scene")]
+    pub(crate) lockstep: Option<String>,
+    /// With --lockstep: seconds that each line lasts.
+    #[arg(long, value_parser = quantity::step, default_value = "0.001", value_name = "SECONDS")]
+    pub(crate) step: f64,
+    /// With --lockstep: do not wait for the clock on the wall.
+    #[arg(long, requires = "lockstep")]
+    pub(crate) fast: bool,
+    /// The arena around the robot, and where it starts; without it the floor is endless.
+    #[arg(long, value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Which of many slightly different robots it is.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) seed: u64,
+}

@@ -1,0 +1,66 @@
+//! How a photo is read.
+
+use crate::cli::quantity;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use wmr::geometry::Arena;
+use wmr::shape::Circle;
+
+/// How a photo is read.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct VisionArgs {
+    /// Inner size of the arena, such as 1.6x2.0; needed for a photo.
+    #[arg(long, value_parser = quantity::arena, value_name = "WxH")]
+    pub(crate) arena: Option<Arena>,
+    /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
+    #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
+    pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// Tags (ArUco 4x4 to 7x7, AprilTag) stand in the arena's four corners: which of their points is the corner.
+    #[arg(long, value_enum, conflicts_with = "corners", value_name = "POINT")]
+    pub(crate) tags: Option<TagPointName>,
+    /// The tag on the robot's top, its right edge ahead.
+    #[arg(long, value_name = "ID")]
+    pub(crate) robot_tag: Option<usize>,
+    /// A tag that lies where the robot is to go.
+    #[arg(long, value_name = "ID")]
+    pub(crate) goal_tag: Option<usize>,
+    /// A disc in which nothing is an obstacle: x,y and radius; may be given several times.
+    #[arg(long, value_parser = quantity::disc, allow_hyphen_values = true, value_name = "X,Y,R")]
+    pub(crate) ignore: Vec<Circle>,
+    /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main", or for two pictures
+    /// under "a" and "b".
+    #[arg(long, value_name = "FILE")]
+    pub(crate) camera: Option<PathBuf>,
+    /// How obstacles are found.
+    #[arg(long, value_enum, default_value_t = MethodName::Robust)]
+    pub(crate) method: MethodName,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TagPointName {
+    /// The corner of the black square furthest from the arena's middle.
+    Outer,
+    /// Its centre.
+    Centre,
+    /// The corner of the black square nearest to the arena's middle.
+    Inner,
+}
+
+impl From<TagPointName> for wmr::vision::TagPoint {
+    fn from(name: TagPointName) -> Self {
+        match name {
+            TagPointName::Outer => Self::Outer,
+            TagPointName::Centre => Self::Centre,
+            TagPointName::Inner => Self::Inner,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Against uneven light, shadows and coloured floors.
+    #[default]
+    Robust,
+    /// The paper's own steps.
+    Paper,
+}
