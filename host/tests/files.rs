@@ -1,17 +1,12 @@
 //! Files that are not whole, and files that must not be written over.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
+mod program;
+
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
+use program::{PAPER, PHOTO, wmr};
 use std::path::Path;
-use std::process::{Command, Output};
-
-const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
-const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.json");
-
-fn wmr(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
-    command.args(arguments).env_remove("WMR_PORT").output().unwrap()
-}
+use std::process::Output;
 
 /// The demo's photo as a JPEG.
 fn jpeg() -> Vec<u8> {
