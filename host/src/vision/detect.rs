@@ -188,7 +188,7 @@ pub fn detect(
     warnings.extend(found.has_lines.then(|| FLOOR_LINES.into()));
     let sought = options.camera.is_none() && options.corners.is_none() && options.tags.is_none();
     if sought && lined_sides(&rects, arena) >= LINED_SIDES {
-        return Err(VisionError::OddBorder { arena });
+        return Err(VisionError::OddBorder { arena, ratio: None });
     }
     let boxes: Vec<Bounded> =
         found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();

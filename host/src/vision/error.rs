@@ -114,10 +114,12 @@ pub enum VisionError {
     },
     /// What looks like the border is not a rectangle of the stated size seen by any camera, or it is the
     /// top of a wall whose faces line the arena.
-    #[error("what looks like the border is no rectangle of {} x {} m seen by any camera: a box, shadow or wall top hides part of it, or the size is wrong; clear the border, check the size, or give --corners", .arena.width, .arena.height)]
+    #[error("what looks like the border is no rectangle of {} x {} m seen by any camera{}: the size is wrong, or a box, shadow or wall top hides part of it; check --arena, clear the border, or give --corners", .arena.width, .arena.height, seen_ratio(.arena, .ratio))]
     OddBorder {
         /// The arena that was looked for.
         arena: Arena,
+        /// How much longer its width is seen against its height than was stated, if that is known.
+        ratio: Option<f64>,
     },
     /// A corner of the arena lies outside the photo.
     #[error("the arena is partly out of view: corner {corner} lies at pixel ({:.0}, {:.0}); move the camera so that all four corners are seen", .pixel[0], .pixel[1])]
@@ -126,6 +128,14 @@ pub enum VisionError {
         corner: usize,
         /// Where the corner would be.
         pixel: [f64; 2],
+    },
+    /// The arena fills the photo: whether its border is in view cannot be told.
+    #[error(
+        "the arena's {side} side lies at the edge of the photo, so that its border cannot be told from where the photo ends; show some of the ground around it, or give --corners"
+    )]
+    AtTheEdge {
+        /// Which side.
+        side: &'static str,
     },
     /// Pictures by one camera have one size.
     #[error("photo {photo} has {} x {} pixels, the first has {} x {}; calibrate with photos by one camera at one setting", .other[0], .other[1], .first[0], .first[1])]
@@ -189,6 +199,17 @@ pub enum VisionError {
         /// What is wrong.
         reason: String,
     },
+}
+
+/// What is to be said about the ratio of sides that is seen.
+fn seen_ratio(arena: &Arena, ratio: &Option<f64>) -> String {
+    let stated = arena.width / arena.height;
+    match ratio.map(|ratio| ratio * stated) {
+        Some(seen) if (seen / stated).ln().abs() > 0.005 => {
+            format!(" (its sides are as {seen:.2} to 1, {stated:.2} to 1 was stated)")
+        }
+        _ => String::new(),
+    }
 }
 
 fn tags_seen(seen: &[usize]) -> String {

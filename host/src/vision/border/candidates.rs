@@ -9,7 +9,8 @@
 //! boxes that hide the border. Three sides and the condition that a camera saw them predict the fourth:
 //! [`Border::reconsidered`] looks there.
 
-use super::sides::{Sides, learn_floor};
+use super::light;
+use super::sides::{EndBy, Sides, learn_floor};
 use crate::geometry::{Arena, Point};
 use crate::vision::appearance::FloorModel;
 use crate::vision::camera::border_fit::{self, Fit, Search, Terms};
@@ -33,6 +34,16 @@ const FULL_REACH: [f64; 2] = [2.5, 2.0];
 const PREDICTED_REACH: [f64; 2] = [3.0, 2.0];
 /// A squared standard deviation of misfit outweighs this share of the profiles.
 const MISFIT_WEIGHT: f64 = 0.05;
+/// How far to both sides of a line light is compared, pixels at a width of 640.
+const LINED_BESIDE: f64 = 3.0;
+/// Each of the lines shows on this share of its profiles, and floor lies inside it, at these distances, pixels at a
+/// width of 640.
+const LEAST_SHARE: f64 = 0.45;
+const INSIDE: [f64; 2] = [2.0, 6.0];
+/// The lines themselves are the border if they are better by this than where the floor's colour ends.
+const LINED_GAIN: f64 = 0.05;
+/// Misfits beyond this are all alike.
+const MOST_MISFIT: f64 = 10.0;
 /// Radial coefficients of lenses that pictures of arenas are taken with.
 const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.08;
 /// The lens is accepted if it brings the residual below this share of that without.
@@ -69,6 +80,8 @@ pub(crate) struct Border {
     pub(crate) residual: f64,
     /// The change of linear light from inside to outside on each side.
     change: Changes,
+    /// By what the floor's end was told on each side.
+    by: [EndBy; 4],
 }
 
 impl Border {
@@ -90,14 +103,14 @@ impl Border {
 
     /// The border with one side sought anew where a camera that saw the others would see it, if that fits
     /// clearly better to a camera.
-    pub(crate) fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
+    fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
         let before = Viewpoint::misfit(photo, &self.map);
         let floor = learn_floor(photo, &self.map, arena)?;
         let reaches = PREDICTED_REACH.map(|reach| reach * zoom(photo));
         let sought_anew = |side: usize| {
             let guide = Guide { without: Some(side), camera: true, ..Guide::by(self.change) };
             let predicted = refine(photo, arena, &self.map, &reaches, guide)?;
-            settle(photo, arena, predicted.map, &floor, true)
+            settle(photo, arena, predicted.map, &floor, (self.by, true))
         };
         let misfit = |border: &Self| Viewpoint::misfit(photo, &border.map);
         let value = |border: &Self| border.score - MISFIT_WEIGHT * misfit(border);
@@ -106,9 +119,14 @@ impl Border {
         better.max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    fn of(fit: Fit, change: Changes) -> Self {
+    fn of(fit: Fit, change: Changes, by: [EndBy; 4]) -> Self {
         let score = fit.shares.iter().sum::<f64>() / 4.0;
-        Self { map: fit.map, score, residual: fit.residual, change }
+        Self { map: fit.map, score, residual: fit.residual, change, by }
+    }
+
+    /// How good a border it is: the share of the profiles that show it, less what no camera would see.
+    fn value(&self, photo: &Photo) -> f64 {
+        self.score - MISFIT_WEIGHT * Viewpoint::misfit_as_stated(photo, &self.map).min(MOST_MISFIT)
     }
 }
 
@@ -120,11 +138,79 @@ fn enlarged(pixel: [f64; 2], factor: f64) -> [f64; 2] {
 /// Looks for the border from a candidate's corners; `None` if the floor does not end there.
 pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
     let straight = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
+    let lined = lined(photo, arena, corners);
+    let settled = where_floor_ends(photo, arena, &straight);
+    match (settled, lined) {
+        (Some(settled), Some(lined)) => {
+            let better = lined.value(photo) > settled.value(photo) + LINED_GAIN;
+            Some(if better { lined } else { settled })
+        }
+        (settled, lined) => settled.or(lined),
+    }
+}
+
+/// The border where the floor's colour ends, from a candidate's map.
+fn where_floor_ends(photo: &Photo, arena: Arena, straight: &PlanMap) -> Option<Border> {
     let reaches = ROUGH_REACH.map(|reach| reach * zoom(photo));
     let any = Guide { change: None, without: None, camera: false };
-    let rough = refine(photo, arena, &straight, &reaches, any)?;
+    let rough = refine(photo, arena, straight, &reaches, any)?;
     let floor = learn_floor(photo, &rough.map, arena)?;
-    settle(photo, arena, rough.map, &floor, false)
+    let sides = Sides::measure(photo, &rough.map, arena, &floor);
+    let found = choices(photo, arena, &rough.map, &sides).into_iter().filter_map(|by| {
+        let border = settle(photo, arena, rough.map.clone(), &floor, (by, false))?;
+        let is_odd = Viewpoint::misfit(photo, &border.map) > MOST_MISFIT;
+        let border = is_odd.then(|| border.reconsidered(photo, arena)).flatten().unwrap_or(border);
+        Some((border.value(photo), border))
+    });
+    found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, border)| border)
+}
+
+/// The border where the lines of a candidate are, if the floor inside reaches up to all four of them: inside the
+/// outer edge of a tape or a wall there is no floor.
+pub(crate) fn lined(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
+    let lines = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
+    let zoom = zoom(photo);
+    let change = light::changes(photo, &lines, arena, LINED_BESIDE * zoom);
+    let reaches = FINE_REACH[2].map(|reach| reach * zoom);
+    let fit = refine(photo, arena, &lines, &reaches, Guide::by(change))?;
+    let floor = learn_floor(photo, &fit.map, arena)?;
+    let up_to =
+        Sides::measure(photo, &fit.map, arena, &floor).floor_inside(INSIDE.map(|d| d * zoom));
+    let whole = fit.shares.iter().all(|&share| share >= LEAST_SHARE) && up_to == [true; 4];
+    whole.then(|| Border::of(fit, change, [EndBy::Unlit; 4]))
+}
+
+/// By what the floor's end may be told on the four sides: all alike, and what fits a camera best.
+///
+/// A wall's shadow on the floor and grey ground around a white sheet look alike on one side; four sides make a
+/// rectangle of the stated size in one way only.
+fn choices(photo: &Photo, arena: Arena, map: &PlanMap, sides: &Sides) -> Vec<[EndBy; 4]> {
+    let alike = [[EndBy::NoShadow; 4], [EndBy::Unlit; 4]];
+    let [Some(shadow), Some(unlit)] = alike.map(|by| sides.ends(by)) else {
+        return alike.to_vec();
+    };
+    let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
+    let apart =
+        |side: usize| (shadow[side] - unlit[side]).abs() * scale > COLOUR_SHIFT * zoom(photo);
+    let differing: Vec<usize> = (0..4).filter(|&side| apart(side)).collect();
+    let choices = (0..1u32 << differing.len()).map(|chosen| {
+        let mut by = alike[0];
+        for (_, &side) in differing.iter().enumerate().filter(|(bit, _)| chosen >> bit & 1 == 1) {
+            by[side] = EndBy::Unlit;
+        }
+        by
+    });
+    let misfit = |by: &[EndBy; 4]| {
+        let moved = sides.ends(*by).and_then(|ends| moved(photo, arena, map, ends));
+        moved.map_or(f64::INFINITY, |map| Viewpoint::misfit(photo, &map))
+    };
+    let mut tried = alike.to_vec();
+    if differing.is_empty() {
+        tried.truncate(1);
+    }
+    let best = choices.min_by(|a, b| misfit(a).total_cmp(&misfit(b)));
+    tried.extend(best.filter(|by| !alike.contains(by)));
+    tried
 }
 
 /// Moves a map to where the floor ends, until it stays; only as one of a `camera` if so wanted.
@@ -133,14 +219,14 @@ fn settle(
     arena: Arena,
     start: PlanMap,
     floor: &FloorModel,
-    camera: bool,
+    (by, camera): ([EndBy; 4], bool),
 ) -> Option<Border> {
     let zoom = zoom(photo);
     let (mut map, mut last) = (start, None);
     // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
     for reaches in FINE_REACH {
         let sides = Sides::measure(photo, &map, arena, floor);
-        let ends = sides.ends()?;
+        let ends = sides.ends(by)?;
         let moved = moved(photo, arena, &map, ends)?;
         let guide = Guide { camera, ..Guide::by(sides.changes(ends)) };
         let fit = refine(photo, arena, &moved, &reaches.map(|reach| reach * zoom), guide)?;
@@ -153,7 +239,7 @@ fn settle(
     }
     let (fit, change) = last?;
     let (map, change) = by_colour(photo, arena, &map, floor).unwrap_or((map, change));
-    Some(Border { map, ..Border::of(fit, change) })
+    Some(Border { map, ..Border::of(fit, change, by) })
 }
 
 /// How much wider a photo is than those that lengths in pixels are stated for.

@@ -3,8 +3,10 @@
 
 use super::candidates::{self, Border};
 use super::lines::EdgeMap;
-use super::quads;
+use super::nested::is_drawn_inside;
+use super::quads::{self, Quad};
 use crate::geometry::Arena;
+use crate::vision::camera::border_fit::side_point;
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::error::VisionError;
 use crate::vision::image::Photo;
@@ -17,8 +19,16 @@ const LEAST_SCORE: f64 = 0.5;
 const MOST_SCORE: f64 = 1.0 + 1e-9;
 /// With this share no other candidate is looked at.
 const SURE_SCORE: f64 = 0.93;
+/// Beside each side so much of the picture's longer side is seen: else the picture was cut there.
+const LEAST_BESIDE: f64 = 0.006;
+/// The names of the sides 0..3.
+const SIDES: [&str; 4] = ["lower", "right", "upper", "left"];
 /// How much a candidate's edges and size count beside the share of its profiles.
 const RANK_WEIGHT: f64 = 1.2;
+/// A rectangle around another counts if it scores no less than that by more than this.
+const OUTER_LOSS: f64 = 0.2;
+/// A rectangle whose border is seen to this share is one, even if its size is not exactly the stated one.
+const CLEAR_SCORE: f64 = 0.78;
 /// The misfit of a camera that no true border reaches, squared standard deviations.
 const MOST_MISFIT: f64 = 10.0;
 
@@ -32,57 +42,129 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
     if edges.contrast < LEAST_CONTRAST {
         return Err(VisionError::NoContrast { measured: edges.contrast, needed: LEAST_CONTRAST });
     }
-    let candidates = quads::candidates(&edges, (small.width(), small.height()), arena);
-    let mut best: Option<(f64, Border)> = None;
-    let mut odd: f64 = 0.0;
-    for quad in &candidates {
-        // The others rank no higher: not even a whole border would bring them before the best.
-        let most = MOST_SCORE + RANK_WEIGHT * quad.rank;
-        if best.as_ref().is_some_and(|(value, found)| *value >= most && found.score >= LEAST_SCORE)
-        {
+    let candidates = quads::candidates(small, &edges, arena);
+    let mut found = Found::default();
+    for quad in &candidates.fitting {
+        if found.is_before(quad) {
             break;
         }
-        let Some(border) = candidates::find(small, arena, quad.corners) else { continue };
-        let misfit = Viewpoint::misfit(small, &border.map);
-        let odd_one = misfit > MOST_MISFIT;
-        let anew = odd_one.then(|| border.reconsidered(small, arena)).flatten();
-        let border = anew.unwrap_or(border);
-        let misfit = Viewpoint::misfit(small, &border.map);
-        if misfit > MOST_MISFIT {
-            odd = odd.max(border.score);
-            continue;
-        }
-        // Candidates come likeliest first: one that shows the border nearly everywhere is it.
-        let sure = border.score > SURE_SCORE;
-        let value = border.score + RANK_WEIGHT * quad.rank;
-        if best.as_ref().is_none_or(|(most, _)| value > *most) {
-            best = Some((value, border));
-        }
-        if sure {
-            break;
-        }
+        found.look(small, arena, quad);
     }
-    let best = best.map(|(_, border)| border);
-    let measured = best.as_ref().map_or(0.0, |border| border.score);
-    let odd_border = Err(VisionError::OddBorder { arena });
-    let Some(found) = best.filter(|border| border.score >= LEAST_SCORE) else {
-        let none = Err(VisionError::NoBorder { arena, measured, needed: LEAST_SCORE });
-        return if odd >= LEAST_SCORE { odd_border } else { none };
+    while let Some(around) = found.unseen_around(small, arena, &candidates.fitting) {
+        found.look(small, arena, around);
+    }
+    let refused = |ratio: Option<f64>| VisionError::OddBorder { arena, ratio };
+    let odd = |quad: &Quad| odd_ratio(small, arena, quad);
+    let Some(best) = found.best else {
+        let none = VisionError::NoBorder { arena, measured: found.measured, needed: LEAST_SCORE };
+        let ratio = candidates.all().find_map(odd);
+        return Err(if found.is_odd || ratio.is_some() { refused(ratio) } else { none });
     };
-    match found.enlarged(photo, arena, photo.overview_factor()) {
-        Some(border) if Viewpoint::misfit(photo, &border.map) <= MOST_MISFIT => {
+    let around = candidates
+        .all()
+        .filter(|quad| is_drawn_inside(small, arena, &best.border.map, quad.corners));
+    if let Some(ratio) = around.filter_map(odd).next() {
+        return Err(refused(Some(ratio)));
+    }
+    match best.border.enlarged(photo, arena, photo.overview_factor()) {
+        Some(border) if Viewpoint::misfit_as_stated(photo, &border.map) <= MOST_MISFIT => {
             in_view(photo, arena, border)
         }
-        _ => odd_border,
+        Some(border) => Err(refused(Viewpoint::side_ratio(photo, &border.map))),
+        None => Err(refused(None)),
     }
 }
 
+/// What was found among candidates that were looked at.
+#[derive(Default)]
+struct Found {
+    best: Option<Ranked>,
+    /// The best score of any.
+    measured: f64,
+    /// Whether one that no camera sees of the arena was seen as clearly as a border.
+    is_odd: bool,
+    looked_at: Vec<[[f64; 2]; 4]>,
+}
+
+struct Ranked {
+    value: f64,
+    border: Border,
+}
+
+impl Found {
+    /// Whether what was found comes before a candidate, even if all of its border were seen.
+    fn is_before(&self, quad: &Quad) -> bool {
+        let most = MOST_SCORE + RANK_WEIGHT * quad.rank;
+        self.best.as_ref().is_some_and(|best| best.border.score > SURE_SCORE || best.value >= most)
+    }
+
+    /// Looks for the border from a candidate.
+    fn look(&mut self, small: &Photo, arena: Arena, quad: &Quad) {
+        self.looked_at.push(quad.corners);
+        let Some(border) = candidates::find(small, arena, quad.corners) else { return };
+        self.measured = self.measured.max(border.score);
+        if border.score < LEAST_SCORE {
+            return;
+        }
+        let exact = Viewpoint::misfit(small, &border.map) <= MOST_MISFIT;
+        let as_stated = Viewpoint::misfit_as_stated(small, &border.map) <= MOST_MISFIT;
+        let clear = as_stated && border.score >= CLEAR_SCORE;
+        if !exact && !clear {
+            self.is_odd = true;
+            return;
+        }
+        let value = border.score + RANK_WEIGHT * quad.rank;
+        let before = self.best.as_ref();
+        let around = before.is_some_and(|best| {
+            let enough = border.score > best.border.score - OUTER_LOSS;
+            enough
+                && is_drawn_inside(small, arena, &best.border.map, border.map.seen_corners(arena))
+        });
+        if around || before.is_none_or(|best| value > best.value) {
+            self.best = Some(Ranked { value, border });
+        }
+    }
+
+    /// A candidate that was not looked at, on whose floor the best border lies.
+    fn unseen_around<'a>(
+        &self,
+        small: &Photo,
+        arena: Arena,
+        quads: &'a [Quad],
+    ) -> Option<&'a Quad> {
+        let best = &self.best.as_ref()?.border;
+        quads.iter().find(|quad| {
+            let seen = self.looked_at.contains(&quad.corners);
+            !seen && is_drawn_inside(small, arena, &best.map, quad.corners)
+        })
+    }
+}
+
+/// The ratio of sides, against the stated one, of a candidate that no camera sees of the arena, if its border is
+/// seen clearly.
+fn odd_ratio(small: &Photo, arena: Arena, quad: &Quad) -> Option<f64> {
+    let border = candidates::lined(small, arena, quad.corners)?;
+    let odd = Viewpoint::misfit_as_stated(small, &border.map) > MOST_MISFIT;
+    Viewpoint::side_ratio(small, &border.map).filter(|_| odd && border.score >= CLEAR_SCORE)
+}
+
+/// A border of which more is seen than its inside: beside each side there is something else in the picture.
 fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, VisionError> {
     let corners = border.map.seen_corners(arena);
-    match corners.iter().position(|&pixel| !photo.holds(pixel)) {
-        Some(corner) => Err(VisionError::OutOfView { corner, pixel: corners[corner] }),
-        None => Ok(border),
+    if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
+        return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
     }
+    let beside = LEAST_BESIDE * photo.width().max(photo.height()) as f64;
+    for (side, name) in SIDES.into_iter().enumerate() {
+        let [middle, inner] =
+            [0.0, 1e-3].map(|inward| border.map.to_photo(side_point(arena, side, 0.5, inward)));
+        let length = (middle[0] - inner[0]).hypot(middle[1] - inner[1]).max(1e-9);
+        let outside = [0, 1].map(|k| middle[k] + beside * (middle[k] - inner[k]) / length);
+        if !photo.holds(outside) {
+            return Err(VisionError::AtTheEdge { side: name });
+        }
+    }
+    Ok(border)
 }
 
 /// Whether an arena of that size is possible.

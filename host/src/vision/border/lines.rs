@@ -1,16 +1,16 @@
 //! Long straight edges in the photo, by a Hough transform: what a border may be made of.
 //!
-//! Lines are sought in two directions, nearly horizontal and nearly vertical, up to 35° off, because
-//! an arena may lie turned by 25° and tilted in the picture. A line is `v = offset + slope · (u − u0)`, u
-//! along the direction and v across it, pixels, u0 the middle of u.
+//! Lines are sought in two directions, nearer to the horizontal and nearer to the vertical, each up to 60°
+//! off: an arena may lie turned by any angle, and perspective spreads its sides. A line near 45° belongs to both. A line is
+//! `v = offset + slope · (u − u0)`, u along the direction and v across it, pixels, u0 the middle of u.
 
 use crate::vision::image::{Photo, Raster};
 
-/// Slopes reach from −0.7 to 0.7 (35°).
-const SLOPE_LIMIT: f64 = 0.7;
+/// Slopes reach from −1.7 to 1.7 (60°).
+const SLOPE_LIMIT: f64 = 1.7;
 const SLOPE_STEP: f64 = 0.02;
-/// An edge point votes for slopes this far from its own.
-const SLOPE_SPREAD: f64 = 0.1;
+/// An edge point votes for directions this far from its own, radians.
+const TURN_SPREAD: f64 = 0.1;
 /// Lines kept for each direction.
 const MOST_LINES: usize = 30;
 /// How far an edge point may lie from a line that it supports, pixels.
@@ -108,13 +108,16 @@ impl EdgeMap {
         let [b, h, a] = [b, h, a].map(f32::from);
         let shift = 0.5 * (b - a) / (b - 2.0 * h + a).min(-1e-9);
         let (x, y) = (x as f32, y as f32);
-        let ((u, v), slope) = if horizontal {
-            ((x, y), -f32::from(gx) / f32::from(gy))
-        } else {
-            ((y, x), -f32::from(gy) / f32::from(gx))
-        };
-        let points = if horizontal { &mut self.horizontal } else { &mut self.vertical };
-        points.push(EdgePoint { u, v: v + shift, slope, weight: h / (h + 80.0) });
+        let (x, y) = if horizontal { (x, y + shift) } else { (x + shift, y) };
+        let weight = h / (h + 80.0);
+        let [gx, gy] = [gx, gy].map(f32::from);
+        let limit = SLOPE_LIMIT as f32;
+        if gx.abs() <= limit * gy.abs() {
+            self.horizontal.push(EdgePoint { u: x, v: y, slope: -gx / gy, weight });
+        }
+        if gy.abs() <= limit * gx.abs() {
+            self.vertical.push(EdgePoint { u: y, v: x, slope: -gy / gx, weight });
+        }
     }
 
     /// The strongest lines of one direction.
@@ -209,8 +212,9 @@ fn peaks(points: &[EdgePoint], length: usize, breadth: usize) -> Vec<(f64, f64)>
     for point in points {
         let (u, slope) = (f64::from(point.u) - middle, f64::from(point.slope));
         let index = |slope: f64| (slope + SLOPE_LIMIT) / SLOPE_STEP;
-        let first = index(slope - SLOPE_SPREAD).ceil().max(0.0) as usize;
-        let end = (index(slope + SLOPE_SPREAD).floor() + 1.0).clamp(0.0, slopes as f64) as usize;
+        let spread = slope_spread(slope);
+        let first = index(slope - spread).ceil().max(0.0) as usize;
+        let end = (index(slope + spread).floor() + 1.0).clamp(0.0, slopes as f64) as usize;
         for index in first..end {
             let slope = index as f64 * SLOPE_STEP - SLOPE_LIMIT;
             let offset = f64::from(point.v) - slope * u + margin as f64;
@@ -227,6 +231,11 @@ fn peaks(points: &[EdgePoint], length: usize, breadth: usize) -> Vec<(f64, f64)>
         .into_iter()
         .map(|(x, y)| (x as f64 - margin as f64, y as f64 * SLOPE_STEP - SLOPE_LIMIT))
         .collect()
+}
+
+/// How far slopes are apart whose directions are [`TURN_SPREAD`] apart.
+fn slope_spread(slope: f64) -> f64 {
+    TURN_SPREAD * (1.0 + slope * slope)
 }
 
 /// The strongest cells that are the greatest of their neighbourhood.
@@ -295,10 +304,11 @@ fn near(
     let most = reach + slope.abs() * middle;
     let first = points.partition_point(|point| f64::from(point.v) < offset - most);
     let end = points.partition_point(|point| f64::from(point.v) <= offset + most);
+    let spread = 2.0 * slope_spread(slope) as f32;
     let (offset, slope, middle) = (offset as f32, slope as f32, middle as f32);
     points[first..end.max(first)].iter().filter(move |point| {
         (point.v - offset - slope * (point.u - middle)).abs() < reach as f32
-            && (point.slope - slope).abs() < 2.0 * SLOPE_SPREAD as f32
+            && (point.slope - slope).abs() < spread
     })
 }
 

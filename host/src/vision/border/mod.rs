@@ -4,8 +4,11 @@ mod candidates;
 mod find;
 mod light;
 mod lines;
+mod nested;
 mod quads;
 mod sides;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use find::{check_arena, find, given};
 pub(crate) use light::{changes, company, shown};

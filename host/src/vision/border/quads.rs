@@ -1,4 +1,8 @@
-//! Quadrilaterals of long edges whose shape fits the stated arena: candidates for its border.
+//! Quadrilaterals of long edges that a camera may see of the stated arena: candidates for its border.
+//!
+//! Tilt foreshortens and an arena may lie turned, so the sides' lengths tell little; that a camera has to have
+//! seen the rectangle tells much. What has about the arena's shape but fits no camera is kept apart: where it
+//! encloses a rectangle that fits, one of them is mistaken.
 //!
 //! A border has several parallel edges (inner and outer edge of a tape, foot and top of a wall), so
 //! candidates come in nests; one of each nest is enough, since [`super::candidates`] looks from there
@@ -6,19 +10,30 @@
 
 use super::lines::{Direction, EdgeMap, Line};
 use crate::geometry::Arena;
+use crate::vision::camera::{PlanMap, Viewpoint};
+use crate::vision::image::Photo;
 
-/// The ratio of the sides may be off by this share: tilt foreshortens.
-const ASPECT_TOLERANCE: f64 = 0.14;
+/// The ratio of the sides in the picture may be off by this much, a natural logarithm: a tilt of 45° does so.
+const ASPECT_TOLERANCE: f64 = 0.36;
+/// A rectangle whose ratio is off by less may be the border of an arena whose size was mistaken.
+const NEAR_ASPECT: f64 = 0.14;
+/// The misfit of a camera that lines at their rough places may have, squared standard deviations of a stated size.
+const MOST_MISFIT: f64 = 90.0;
 /// The least share of each side that is edge: boxes hide some of it, lenses bend it off a line.
 const LEAST_SUPPORT: f64 = 0.2;
 /// Sides are at least this share of the picture's shorter side.
 const LEAST_SIDE: f64 = 0.2;
 /// Quadrilaterals whose corners are all closer than this share of their size belong to one nest.
 const NEST: f64 = 0.09;
-/// Nests that are looked at.
+/// Nests that are looked at, of those that a camera may see and of those that none does.
 const MOST_NESTS: usize = 6;
+const MOST_ODD: usize = 3;
+/// Quadrilaterals that are held against a camera.
+const MOST_HELD: usize = 3000;
 /// How much a candidate's size counts beside the share of its sides that is edge.
 const SIZE_WEIGHT: f64 = 0.8;
+/// An arena whose width runs up in the picture is a little less likely.
+const TURNED_COST: f64 = 0.02;
 /// How far outside the picture a corner may lie, as a share of its width.
 const OUTSIDE: f64 = 0.02;
 
@@ -34,7 +49,53 @@ pub(crate) struct Quad {
 }
 
 /// The likeliest quadrilateral of each nest, best first.
-pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Candidates {
+    /// Those that a camera may see of the arena.
+    pub(crate) fitting: Vec<Quad>,
+    /// Those of nearly the arena's shape that no camera sees of it.
+    pub(crate) odd: Vec<Quad>,
+}
+
+impl Candidates {
+    /// Those that fit, then those that do not.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Quad> {
+        self.fitting.iter().chain(&self.odd)
+    }
+}
+
+/// The candidates for an arena's border in a photo with such edges.
+pub(crate) fn candidates(photo: &Photo, edges: &EdgeMap, arena: Arena) -> Candidates {
+    let mut quads = quads(edges, (photo.width(), photo.height()), arena);
+    quads.sort_by(|a: &Quad, b: &Quad| b.rank.total_cmp(&a.rank));
+    let mut nests = Candidates::default();
+    for quad in quads.into_iter().take(MOST_HELD) {
+        if nests.fitting.len() == MOST_NESTS {
+            break;
+        }
+        let Some(map) = PlanMap::from_seen_corners(photo, arena, quad.corners, 0.0) else {
+            continue;
+        };
+        let fits = Viewpoint::misfit_as_stated(photo, &map) < MOST_MISFIT;
+        let near = |ratio: f64| ratio.ln().abs() < NEAR_ASPECT;
+        if fits {
+            add(&mut nests.fitting, quad, MOST_NESTS);
+        } else if Viewpoint::side_ratio(photo, &map).is_some_and(near) {
+            add(&mut nests.odd, quad, MOST_ODD);
+        }
+    }
+    nests
+}
+
+/// Adds a quadrilateral to nests, unless it belongs to one of them or there are so many.
+fn add(nests: &mut Vec<Quad>, quad: Quad, most: usize) {
+    if nests.len() < most && nests.iter().all(|nest| !same_nest(nest, &quad)) {
+        nests.push(quad);
+    }
+}
+
+/// All quadrilaterals of lines that may be the arena.
+fn quads(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
     let rows = edges.lines(Direction::Horizontal);
     let columns = edges.lines(Direction::Vertical);
     let crossings: Vec<Vec<_>> =
@@ -47,17 +108,10 @@ pub(crate) fn candidates(edges: &EdgeMap, size: (usize, usize), arena: Arena) ->
             let corners = (below[left], below[right], above[right], above[left]);
             let (Some(a), Some(b), Some(c), Some(d)) = corners else { continue };
             let lines = [&rows[lower], &columns[right], &rows[upper], &columns[left]];
-            quads.extend(quad([a, b, c, d], lines, size, arena));
+            quads.extend(quad([a, b, c, d], lines, size, arena).into_iter().flatten());
         }
     }
-    quads.sort_by(|a: &Quad, b: &Quad| b.rank.total_cmp(&a.rank));
-    let mut nests: Vec<Quad> = Vec::new();
-    for quad in quads {
-        if nests.len() < MOST_NESTS && nests.iter().all(|nest| !same_nest(nest, &quad)) {
-            nests.push(quad);
-        }
-    }
-    nests
+    quads
 }
 
 /// The numbers of all pairs of lines, smaller v first, that are far enough apart in the middle of the picture.
@@ -75,26 +129,28 @@ fn pairs(lines: &[Line], size: (usize, usize), length: usize) -> Vec<(usize, usi
     pairs
 }
 
-/// The quadrilateral of a lower, right, upper and left line with its corners, if it can be the arena.
+/// The quadrilateral of a lower, right, upper and left line with its corners, if it can be the arena: as it
+/// appears, and with the arena's width running up in the picture.
 fn quad(
     corners: [[f64; 2]; 4],
     [lower, right, upper, left]: [&Line; 4],
     size: (usize, usize),
     arena: Arena,
-) -> Option<Quad> {
+) -> [Option<Quad>; 2] {
     let slack = OUTSIDE * size.0 as f64;
     let inside = |[x, y]: [f64; 2]| {
         x > -slack && y > -slack && x < size.0 as f64 + slack && y < size.1 as f64 + slack
     };
-    if !corners.into_iter().all(inside) {
-        return None;
+    if !corners.into_iter().all(inside) || !is_convex(corners) {
+        return [None; 2];
     }
     let side =
         |a: usize, b: usize| (corners[a][0] - corners[b][0]).hypot(corners[a][1] - corners[b][1]);
     let (across, up) = ((side(0, 1) + side(2, 3)) / 2.0, (side(1, 2) + side(3, 0)) / 2.0);
-    let ratio = across / up.max(1.0) / (arena.width / arena.height);
-    if (ratio.ln()).abs() > ASPECT_TOLERANCE {
-        return None;
+    let seen = (across / up.max(1.0)).ln();
+    let stated = (arena.width / arena.height).ln();
+    if (seen.abs() - stated.abs()).abs() > ASPECT_TOLERANCE {
+        return [None; 2];
     }
     let shares = [
         lower.support(corners[0][0], corners[1][0]),
@@ -103,9 +159,25 @@ fn quad(
         left.support(corners[3][1], corners[0][1]),
     ];
     let least = shares.into_iter().fold(1.0, f64::min);
+    if least <= LEAST_SUPPORT {
+        return [None; 2];
+    }
     let support = shares.iter().sum::<f64>() / 4.0;
     let rank = support + SIZE_WEIGHT * (across * up / (size.0 * size.1) as f64).sqrt();
-    (least > LEAST_SUPPORT).then_some(Quad { corners, support, rank })
+    let fits = |stated: f64| (seen - stated).abs() < ASPECT_TOLERANCE;
+    let [a, b, c, d] = corners;
+    [
+        fits(stated).then_some(Quad { corners, support, rank }),
+        fits(-stated).then_some(Quad { corners: [b, c, d, a], support, rank: rank - TURNED_COST }),
+    ]
+}
+
+/// Whether corners turn one way, counter-clockwise as the floor is seen.
+fn is_convex(corners: [[f64; 2]; 4]) -> bool {
+    (0..4).all(|i| {
+        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0
+    })
 }
 
 /// Where a nearly horizontal and a nearly vertical line meet, pixels.
@@ -127,7 +199,6 @@ fn same_nest(a: &Quad, b: &Quad) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vision::Photo;
 
     fn framed() -> Photo {
         let pixels = (0..200 * 150).map(|i| {
@@ -143,7 +214,7 @@ mod tests {
     fn a_frame_is_one_nest() {
         let photo = framed();
         let arena = Arena { width: 1.5, height: 0.7 };
-        let quads = candidates(&EdgeMap::of(&photo), (200, 150), arena);
+        let quads = candidates(&photo, &EdgeMap::of(&photo), arena).fitting;
         assert_eq!(quads.len(), 1);
         let [x, y] = quads[0].corners[0];
         assert!((19.0..26.0).contains(&x) && (104.0..111.0).contains(&y), "{:?}", quads[0]);
@@ -152,9 +223,7 @@ mod tests {
     #[test]
     fn the_wrong_shape_is_no_candidate() {
         let photo = framed();
-        assert!(
-            candidates(&EdgeMap::of(&photo), (200, 150), Arena { width: 1.0, height: 1.0 })
-                .is_empty()
-        );
+        let square = Arena { width: 1.0, height: 1.0 };
+        assert!(candidates(&photo, &EdgeMap::of(&photo), square).fitting.is_empty());
     }
 }

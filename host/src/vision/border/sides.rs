@@ -28,18 +28,32 @@ const FOREIGN: f32 = 6.0;
 const DEEPEST: f32 = -1.0;
 /// At the floor's end the share of foreign colour rises by at least this.
 const LEAST_RISE: f64 = 0.3;
+/// So many samples in a row must be foreign.
+const LASTING: usize = 3;
 /// The distance of samples across a side, pixels.
 const SAMPLE_STEP: f64 = 0.5;
 /// Lines of samples across each side, and samples of a line that are evenly apart in the photo.
 const SEEN: usize = PLACES / 2;
 const PIECE: usize = 12;
 
+/// By what the floor's end on a side is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EndBy {
+    /// What no shadow on the floor looks like: walls, tape, coloured ground, also behind a border's shadow. Where
+    /// there is nothing such, as for [`EndBy::Unlit`].
+    NoShadow,
+    /// Whatever is not lit floor: grey ground around a white sheet looks like its shadow.
+    Unlit,
+}
+
 /// What is seen across the four sides.
 pub(crate) struct Sides {
     /// Metres inward of the samples, from inside to outside.
     inward: Vec<f64>,
-    /// For each side and sample: the share of places that are not floor.
+    /// For each side and sample: the share of places that are not floor, lit or in shadow.
     foreign: [Vec<f64>; 4],
+    /// For each side and sample: the share of places that are not lit floor.
+    unlit: [Vec<f64>; 4],
     /// For each side and sample: the median light.
     light: [Vec<[f32; 3]>; 4],
 }
@@ -55,10 +69,11 @@ impl Sides {
         let mut sides = Self {
             inward: (0..count).map(inward).collect(),
             foreign: Default::default(),
+            unlit: Default::default(),
             light: Default::default(),
         };
         for side in 0..4 {
-            let mut foreign = vec![0usize; count];
+            let (mut foreign, mut unlit) = (vec![0usize; count], vec![0usize; count]);
             let mut lights: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; count * SEEN]);
             for place in 0..SEEN {
                 let along = border_fit::along(2 * place);
@@ -76,15 +91,17 @@ impl Sides {
                         let [b, c, d] = feature(light);
                         let residual = [b - lit[0], c - lit[1], d - lit[2]];
                         let index = piece * PIECE + within;
-                        foreign[index] +=
-                            usize::from(floor.off_any_shadow(residual, DEEPEST) > FOREIGN);
+                        let shadow = floor.off_any_shadow(residual, DEEPEST);
+                        foreign[index] += usize::from(shadow > FOREIGN);
+                        unlit[index] += usize::from(floor.difference_of(residual).lit > FOREIGN);
                         for (list, value) in lights.iter_mut().zip(light) {
                             list[index * SEEN + place] = value;
                         }
                     }
                 }
             }
-            sides.foreign[side] = foreign.iter().map(|&seen| seen as f64 / SEEN as f64).collect();
+            let shares = |seen: Vec<usize>| seen.iter().map(|&n| n as f64 / SEEN as f64).collect();
+            (sides.foreign[side], sides.unlit[side]) = (shares(foreign), shares(unlit));
             let mut middle = |channel: usize, index: usize| {
                 median(&mut lights[channel][index * SEEN..(index + 1) * SEEN])
             };
@@ -94,24 +111,29 @@ impl Sides {
         sides
     }
 
-    /// Where the floor ends on each side, metres inward of the map's sides.
-    pub(crate) fn ends(&self) -> Option<[f64; 4]> {
+    /// Where the floor ends on each side, metres inward of the map's sides, by what is taken for its end there.
+    pub(crate) fn ends(&self, by: [EndBy; 4]) -> Option<[f64; 4]> {
         let mut ends = [0.0; 4];
-        for (end, foreign) in ends.iter_mut().zip(&self.foreign) {
-            let inside = &foreign[..foreign.len() / 3];
-            let base = inside.iter().sum::<f64>() / inside.len().max(1) as f64;
-            let most = foreign.iter().copied().fold(base, f64::max);
-            if most < base + LEAST_RISE {
-                return None;
-            }
-            let level = base + 0.5 * (most - base);
-            let lasting = 3;
-            let index = foreign
-                .windows(lasting)
-                .position(|window| window.iter().all(|&share| share > level))?;
-            *end = self.inward[index];
+        for (side, end) in ends.iter_mut().enumerate() {
+            let (foreign, unlit) = (&self.foreign[side], &self.unlit[side]);
+            let index = match by[side] {
+                EndBy::NoShadow => lasting_rise(foreign).or_else(|| lasting_rise(unlit)),
+                EndBy::Unlit => lasting_rise(unlit),
+            };
+            *end = self.inward[index?];
         }
         Some(ends)
+    }
+
+    /// Whether most of what lies between two distances inside of each side, pixels, is lit floor.
+    pub(crate) fn floor_inside(&self, [from, to]: [f64; 2]) -> [bool; 4] {
+        let per_sample = |pixels: f64| (pixels / SAMPLE_STEP) as usize;
+        let zero = self.inward.iter().position(|&depth| depth <= 0.0).unwrap_or(0);
+        let range = zero.saturating_sub(per_sample(to))..zero.saturating_sub(per_sample(from));
+        [0, 1, 2, 3].map(|side| {
+            let shares = self.unlit[side].get(range.clone()).unwrap_or_default();
+            shares.iter().sum::<f64>() < 0.5 * shares.len() as f64
+        })
     }
 
     /// Where the hue changes on each side, metres inward, if it does clearly.
@@ -168,6 +190,17 @@ impl Sides {
             [0, 1, 2].map(|channel| outside[channel] - inside[channel])
         })
     }
+}
+
+/// Where shares rise to stay, coming from inside; `None` if they do not clearly.
+fn lasting_rise(shares: &[f64]) -> Option<usize> {
+    let inside = &shares[..shares.len() / 3];
+    let base = inside.iter().sum::<f64>() / inside.len().max(1) as f64;
+    let most = shares.iter().copied().fold(base, f64::max);
+    let level = base + 0.5 * (most - base);
+    let lasts = |window: &[f64]| window.iter().all(|&share| share > level);
+    let rises = most >= base + LEAST_RISE;
+    shares.windows(LASTING).position(lasts).filter(|_| rises)
 }
 
 /// A pixel and the floor's colour there, at a share of the way between two of them.

@@ -16,6 +16,10 @@ pub(crate) const USUAL_FOCAL: f64 = 1.05;
 pub(crate) const FOCAL_SPREAD: f64 = 0.3;
 /// How far the columns' angle (radians) and ratio of lengths may be off.
 const COLUMN_NOISE: f64 = 0.002;
+/// The same where the arena's size is stated by people, who measure its sides to about 1 %.
+const STATED_NOISE: f64 = 0.01;
+/// A rectangle's angles are off by less than this, standard deviations.
+const MOST_ANGLE: f64 = 3.0;
 /// Focal lengths that are tried, in steps of this factor.
 const FOCAL_STEP: f64 = 1.02;
 const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
@@ -44,6 +48,27 @@ impl Viewpoint {
         focal_lengths()
             .map(|focal| misfit(&homography, focal * width))
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same for an arena whose stated size is as exact as people measure.
+    pub(crate) fn misfit_as_stated(photo: &Photo, map: &PlanMap) -> f64 {
+        Self::misfit(photo, map) * (COLUMN_NOISE / STATED_NOISE).powi(2)
+    }
+
+    /// How much longer, as a ratio, the arena's width is seen against its height than was stated; `None` if
+    /// no camera sees a rectangle so, whatever its ratio.
+    pub(crate) fn side_ratio(photo: &Photo, map: &PlanMap) -> Option<f64> {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        let off = |focal: f64| {
+            let [angle, ratio] = of_columns(&homography, focal * width);
+            (angle * COLUMN_NOISE / STATED_NOISE, ratio * COLUMN_NOISE)
+        };
+        let unusual = |focal: f64| (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD;
+        let cost = |focal: f64| off(focal).0.powi(2) + unusual(focal).powi(2);
+        let focal = focal_lengths().min_by(|a, b| cost(*a).total_cmp(&cost(*b)))?;
+        let (angle, ratio) = off(focal);
+        (angle.abs() < MOST_ANGLE).then(|| ratio.exp())
     }
 
     /// The conditions that a camera with a focal length (widths of the picture) and its axis through the
