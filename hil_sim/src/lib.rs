@@ -7,8 +7,10 @@
 
 pub mod base;
 pub mod emulator;
+pub mod encoder;
 pub mod in_process;
 pub mod lockstep;
+pub mod physics;
 pub mod presets;
 #[cfg(unix)]
 pub mod pty;

@@ -35,12 +35,17 @@ pub trait Firmware {
     fn set_battery(&mut self, _volts: f64) {}
 }
 
+/// No base of this size is faster, m/s.
+const FASTEST: f64 = 5.0;
+
 /// A simulated robot in a simulated arena.
 #[derive(Clone, Debug)]
 pub struct Simulation<B> {
     firmware: B,
     base: WheeledBase,
     world: Option<World>,
+    /// Whether shapes and walls keep the robot out, or are only watched.
+    solid: bool,
     collision_log: CollisionLog,
     to_robot: Wire,
     to_host: Wire,
@@ -65,6 +70,7 @@ impl<B: Firmware> Simulation<B> {
             firmware,
             base,
             world,
+            solid: false,
             collision_log: CollisionLog::default(),
             to_robot: Wire::default(),
             to_host: Wire::default(),
@@ -77,6 +83,12 @@ impl<B: Firmware> Simulation<B> {
     /// The same with these wires, to the robot and to the host, in place of perfect ones.
     pub fn with_wires(self, to_robot: Wire, to_host: Wire) -> Self {
         Self { to_robot, to_host, ..self }
+    }
+
+    /// The same with shapes and walls that the robot bumps against; else it passes through, and only the
+    /// collision is counted.
+    pub fn with_solid_shapes(self) -> Self {
+        Self { solid: true, ..self }
     }
 
     /// The wires, to the robot and to the host.
@@ -123,12 +135,28 @@ impl<B: Firmware> Simulation<B> {
             let mut sent = VecDeque::new();
             let duty = self.firmware.step(&received, self.base.counts(), &mut sent)?;
             self.to_host.write(sent.make_contiguous(), self.now);
-            self.base.step(duty, B::STEP.as_secs_f64());
-            if let Some(world) = &self.world {
-                self.collision_log.observe(world.clearance(self.base.pose()));
-            }
+            self.move_base(duty, B::STEP.as_secs_f64());
         }
         Ok(())
+    }
+
+    fn move_base(&mut self, duty: [f64; 2], seconds: f64) {
+        let Some(world) = &self.world else { return self.base.step(duty, seconds) };
+        if !self.solid {
+            self.base.step(duty, seconds);
+            self.collision_log.observe(world.clearance(self.base.pose()));
+            return;
+        }
+        // Far from everything nothing can be touched within a step.
+        let depth = if world.clearance(self.base.pose()) > FASTEST * seconds {
+            self.base.step(duty, seconds);
+            None
+        } else {
+            let touches = |pose| world.contact(pose);
+            self.base.step_among(duty, seconds, world.robot_radius, touches)
+        };
+        let clearance = world.clearance(self.base.pose());
+        self.collision_log.observe_among_solids(clearance, depth);
     }
 }
 
