@@ -15,7 +15,10 @@ pub mod presets;
 #[cfg(unix)]
 pub mod pty;
 pub mod realtime;
+pub mod scenario;
+pub mod script;
 pub mod simulation;
 pub mod tcp;
+mod toml_file;
 pub mod wire;
 pub mod world;

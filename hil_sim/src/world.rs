@@ -125,6 +125,11 @@ impl CollisionLog {
         self.min_clearance = self.min_clearance.min(clearance);
     }
 
+    /// Whether the robot touches something now.
+    pub fn is_touching(&self) -> bool {
+        self.touching
+    }
+
     /// Takes in the gap where shapes keep the robot out, and how deep it would have gone without, m.
     pub fn observe_among_solids(&mut self, clearance: f64, depth: Option<f64>) {
         let bumps = depth.is_some();
