@@ -18,6 +18,7 @@ pub mod model;
 pub mod occupied;
 #[cfg(unix)]
 pub mod replug;
+pub mod scenarios;
 pub mod vehicles;
 pub mod vision_scores;
 
