@@ -31,6 +31,16 @@ use crate::simulation::{Firmware, Simulation};
 use crate::toml_file::{Section, must_be, parse};
 use crate::world::World;
 use protocol::parameters::Parameters;
+use std::io;
+use std::time::Duration;
+
+/// After its end a scenario is watched for twice so long.
+const AFTERWARDS: Duration = Duration::from_secs(2);
+/// In the second half it moves by no more, m and rad: a resting encoder flickers by a count.
+const STILL: f64 = 0.001;
+const STILL_HEADING: f64 = 0.01;
+/// A camera's error, m and rad, one σ.
+const CAMERA_ERROR: [f64; 2] = [0.002, 0.005];
 
 /// When a fault of a scenario begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,6 +146,44 @@ impl Scenario {
             None => WheeledBase::new(BaseParameters::seeded(self.seed), self.start),
         };
         Simulation::new(firmware, base, Some(self.world.clone())).with_solid_shapes()
+    }
+}
+
+/// Watches the robot of a scenario that has ended: whether it still moves two seconds later.
+///
+/// # Errors
+/// If the firmware cannot be run any further.
+pub fn still_moves<B: Firmware>(simulation: &mut Simulation<B>) -> io::Result<bool> {
+    simulation.wait(AFTERWARDS)?;
+    let before = simulation.truth().pose;
+    simulation.wait(AFTERWARDS)?;
+    let after = simulation.truth().pose;
+    let way = (after.x - before.x).hypot(after.y - before.y);
+    Ok(way > STILL || (after.heading - before.heading).sin().abs() > STILL_HEADING)
+}
+
+/// The camera of a scenario.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    looks: bool,
+    random: fastrand::Rng,
+}
+
+impl Camera {
+    /// The scenario's, with errors of its seed.
+    pub fn of(scenario: &Scenario) -> Self {
+        Self { looks: scenario.camera, random: fastrand::Rng::with_seed(scenario.seed) }
+    }
+
+    /// Where it sees a robot that is at `pose`: x, y, heading; `None` if there is no camera.
+    pub fn sees(&mut self, pose: TruePose) -> Option<[f64; 3]> {
+        // The sum of twelve is near enough to Gauss's curve.
+        let mut error =
+            |sigma: f64| sigma * ((0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0);
+        let [position, heading] = CAMERA_ERROR;
+        let seen =
+            [pose.x + error(position), pose.y + error(position), pose.heading + error(heading)];
+        self.looks.then_some(seen)
     }
 }
 

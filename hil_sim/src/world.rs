@@ -21,6 +21,18 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Its corners; of a disc, points around it.
+    pub fn outline(&self) -> Vec<[f64; 2]> {
+        match self {
+            &Self::Rect([x0, y0, x1, y1]) => vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]],
+            Self::Polygon(corners) => corners.clone(),
+            Self::Circle([x, y, radius]) => (0..48)
+                .map(|part| std::f64::consts::TAU * f64::from(part) / 48.0)
+                .map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()])
+                .collect(),
+        }
+    }
+
     /// The distance from the point to the shape's outline, negative inside.
     fn signed_distance(&self, x: f64, y: f64) -> f64 {
         match self {

@@ -3,7 +3,7 @@
 //! An end that a robot reports is judged by the truth: an arrival is `reached` only if the robot really
 //! stands there, and any end is `moving` if it still moves two seconds later.
 
-use hil_sim::scenario::{self, Scenario};
+use hil_sim::scenario::{self, Camera, Scenario};
 use hil_sim::simulation::{Firmware, Simulation, Truth};
 use protocol::motion::{Limits, Pose};
 use std::fmt::Write as _;
@@ -13,19 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use wmr::geometry::Point;
 use wmr::link::drive::TimedPort;
-use wmr::link::rehearsal::{Director, Ending, Moment, Task, rehearse};
-
-/// A robot farther from its goal has missed it, m.
-const REACHED_POSITION: f64 = 0.01;
-/// Or looking so far past it, rad.
-const REACHED_HEADING: f64 = 0.05;
-/// After its end a scenario is watched for so long.
-const AFTERWARDS: Duration = Duration::from_secs(2);
-/// In as much time again it moves by no more, m and rad: a resting encoder flickers by a count.
-const STILL: f64 = 0.001;
-const STILL_HEADING: f64 = 0.01;
-/// A camera's error, m and rad, one σ.
-const CAMERA_ERROR: [f64; 2] = [0.002, 0.005];
+use wmr::link::rehearsal::{Director, Moment, Sight, Task, rehearse};
 
 /// A simulation as a port with its own clock.
 #[derive(Debug)]
@@ -59,7 +47,7 @@ impl<B: Firmware> TimedPort for Stage<B> {
 
 struct Troublemaker<'a> {
     scenario: &'a Scenario,
-    random: fastrand::Rng,
+    camera: Camera,
 }
 
 impl<B: Firmware> Director<Stage<B>> for Troublemaker<'_> {
@@ -69,17 +57,8 @@ impl<B: Firmware> Director<Stage<B>> for Troublemaker<'_> {
     }
 
     fn look(&mut self, stage: &Stage<B>) -> Option<Pose> {
-        let mut error = |sigma: f64| {
-            // The sum of twelve is near enough to Gauss's curve.
-            sigma * ((0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0)
-        };
-        let pose = stage.0.truth().pose;
-        let [position, heading] = CAMERA_ERROR;
-        let seen = [error(position), error(position), error(heading)];
-        self.scenario.camera.then(|| {
-            let [x, y, heading] = [pose.x + seen[0], pose.y + seen[1], pose.heading + seen[2]];
-            Pose::new(x as f32, y as f32, heading as f32)
-        })
+        let [x, y, heading] = self.camera.sees(stage.0.truth().pose)?;
+        Some(Pose::new(x as f32, y as f32, heading as f32))
     }
 }
 
@@ -108,18 +87,13 @@ pub fn run<B: Firmware>(
         goal_heading: scenario.goal_heading,
         limits,
     };
-    let random = fastrand::Rng::with_seed(scenario.seed);
-    let mut director = Troublemaker { scenario, random };
+    let mut director = Troublemaker { scenario, camera: Camera::of(scenario) };
     let (stage, ending) = rehearse(Stage(simulation), &task, in_words(moment), &mut director);
     let mut simulation = stage.0;
     let duration = simulation.now();
-    simulation.wait(AFTERWARDS).unwrap();
-    let before = simulation.truth().pose;
-    simulation.wait(AFTERWARDS).unwrap();
+    let moves = scenario::still_moves(&mut simulation).unwrap();
     let truth = simulation.truth();
-    let way = (truth.pose.x - before.x).hypot(truth.pose.y - before.y);
-    let moves = way > STILL || (truth.pose.heading - before.heading).sin().abs() > STILL_HEADING;
-    let code = if moves { "moving".into() } else { judge(scenario, &ending, truth) };
+    let code = ending.verdict(&sight(scenario, truth, moves)).into();
     Outcome { code, truth, duration }
 }
 
@@ -134,19 +108,13 @@ fn in_words(moment: scenario::Moment) -> Moment {
     }
 }
 
-fn judge(scenario: &Scenario, ending: &Ending, truth: Truth) -> String {
-    if !matches!(ending, Ending::Arrived(_)) {
-        return ending.code().into();
-    }
-    let [x, y] = *scenario.way.last().unwrap();
-    let off = (truth.pose.x - x).hypot(truth.pose.y - y);
-    let turned = scenario.goal_heading.map_or(0.0, |goal| (truth.pose.heading - goal).sin().abs());
-    if truth.collision_log.is_some_and(|log| log.collisions > 0) {
-        "collided".into()
-    } else if off > REACHED_POSITION || turned > REACHED_HEADING {
-        "missed".into()
-    } else {
-        "reached".into()
+fn sight(scenario: &Scenario, truth: Truth, moves: bool) -> Sight {
+    let ([x, y], pose) = (*scenario.way.last().unwrap(), truth.pose);
+    Sight {
+        position_error: (pose.x - x).hypot(pose.y - y),
+        heading_error: scenario.goal_heading.map_or(0.0, |goal| (pose.heading - goal).sin()),
+        collided: truth.collision_log.is_some_and(|log| log.collisions > 0),
+        moves,
     }
 }
 

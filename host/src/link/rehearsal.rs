@@ -80,7 +80,40 @@ pub enum Ending {
     Endless,
 }
 
+/// What is seen of a robot after its mission has ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// How far from its goal it really stands, m.
+    pub position_error: f64,
+    /// How far it looks past it, rad.
+    pub heading_error: f64,
+    /// Whether it has touched anything.
+    pub collided: bool,
+    /// Whether it moves, though it should rest.
+    pub moves: bool,
+}
+
+/// A robot farther from its goal has missed it, m.
+const REACHED_POSITION: f64 = 0.01;
+/// Or looking so far past it, rad.
+const REACHED_HEADING: f64 = 0.05;
+
 impl Ending {
+    /// What the end is called once somebody has looked: an arrival is `reached`, `missed` or `collided`,
+    /// and whatever else was said, a robot that does not rest is `moving`.
+    pub fn verdict(&self, sight: &Sight) -> &'static str {
+        let arrived = matches!(self, Self::Arrived(_));
+        let away =
+            sight.position_error > REACHED_POSITION || sight.heading_error.abs() > REACHED_HEADING;
+        match (arrived, sight) {
+            (_, Sight { moves: true, .. }) => "moving",
+            (false, _) => self.code(),
+            (true, Sight { collided: true, .. }) => "collided",
+            (true, _) if away => "missed",
+            (true, _) => "reached",
+        }
+    }
+
     /// What a program calls the end; a fault has its own name.
     pub fn code(&self) -> &'static str {
         use protocol::message::Fault;
