@@ -15,6 +15,7 @@ pub mod fuzzing_vision;
 pub mod link;
 pub mod lockstep;
 pub mod model;
+pub mod monte_carlo;
 pub mod occupied;
 #[cfg(unix)]
 pub mod replug;
