@@ -210,6 +210,7 @@ impl Robot {
         if self.owner == Some(port) {
             self.controller.pause(PauseReason::Silence);
             self.outbox = Outbox::default();
+            self.report_battery();
         }
     }
 
@@ -370,10 +371,14 @@ impl Robot {
             // What the last owner has not received by now is in the next hello.
             self.outbox = Outbox::default();
             self.owner = Some(port);
-            // It was said when it began, maybe to nobody.
-            if let Some(battery) = self.controller.battery() {
-                self.report(Report::Battery(battery));
-            }
+            self.report_battery();
+        }
+    }
+
+    /// Says again what was said when it began, maybe to nobody or to another host.
+    fn report_battery(&mut self) {
+        if let Some(battery) = self.controller.battery() {
+            self.report(Report::Battery(battery));
         }
     }
 

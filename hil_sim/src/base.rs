@@ -9,6 +9,9 @@
 //! | d | duty left after friction, -1..=1 | – |
 //! | R | distance of the turning centre from the middle of the axis, to the left | m |
 
+pub use crate::encoder::EncoderFault;
+use crate::encoder::{Encoder, Encoders};
+use crate::physics::{Design, Dynamics};
 use std::f64::consts::{PI, TAU};
 
 /// What one base is made of; the truth, not what the controller believes.
@@ -67,20 +70,14 @@ pub struct Faults {
     pub slip: [f64; 2],
     /// Wheels that something holds fast.
     pub blocked: [bool; 2],
+    /// The share of each motor's duty that is lost; 2 turns the motor the other way.
+    pub weak: [f64; 2],
+    /// Both wheels turn in the air.
+    pub lifted: bool,
     /// What each encoder does.
     pub encoders: [EncoderFault; 2],
-}
-
-/// What an encoder may do instead of counting.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EncoderFault {
-    /// Nothing: it counts.
-    #[default]
-    None,
-    /// Its wire is off: it stands still.
-    Stuck,
-    /// Its wires are swapped: it counts backwards.
-    Reversed,
+    /// Whether each encoder counts the other wheel.
+    pub encoders_swapped: bool,
 }
 
 /// A true pose: metres and radians in (-π, π].
@@ -94,31 +91,55 @@ pub struct TruePose {
     pub heading: f64,
 }
 
+/// Where a base would overlap something that it cannot pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// How deep, m.
+    pub depth: f64,
+    /// The way out, of length 1, in the arena.
+    pub normal: [f64; 2],
+}
+
 /// A base that moves.
 #[derive(Clone, Debug)]
 pub struct WheeledBase {
-    parameters: BaseParameters,
+    model: Model,
     pose: TruePose,
-    speeds: [f64; 2],
-    angles: [f64; 2],
-    counted: [f64; 2],
+    encoders: Encoders,
     faults: Faults,
+}
+
+/// How a base answers to its motors.
+#[derive(Clone, Debug)]
+enum Model {
+    /// Each wheel follows its motor alone, and the base follows the wheels.
+    FirstOrder { parameters: BaseParameters, speeds: [f64; 2] },
+    /// All its bodies have mass.
+    Dynamic(Box<Dynamics>),
 }
 
 /// The motors' equation is integrated in steps of this length, s: a hundredth of their time constant.
 const STEP: f64 = 0.0005;
 
+/// Out of a corner a base is pushed in turns by either side, at most so often in a step.
+const MOST_PUSHES: u32 = 8;
+
 impl WheeledBase {
     /// A resting base at `pose`.
     pub fn new(parameters: BaseParameters, pose: TruePose) -> Self {
-        Self {
-            parameters,
-            pose,
-            speeds: [0.0; 2],
-            angles: [0.0; 2],
-            counted: [0.0; 2],
-            faults: Faults::default(),
-        }
+        let encoder = Encoder::even(parameters.counts_per_turn, parameters.encoder_phase);
+        let model = Model::FirstOrder { parameters, speeds: [0.0; 2] };
+        Self { model, pose, encoders: Encoders::new(encoder), faults: Faults::default() }
+    }
+
+    /// A resting base with mass at `pose`.
+    ///
+    /// ```
+    /// use wmr_sim::{base::{TruePose, WheeledBase}, presets::Preset};
+    /// ```
+    pub fn with_mass(design: Design, encoder: Encoder, pose: TruePose) -> Self {
+        let model = Model::Dynamic(Box::new(Dynamics::new(design)));
+        Self { model, pose, encoders: Encoders::new(encoder), faults: Faults::default() }
     }
 
     /// Where the base really is.
@@ -138,18 +159,23 @@ impl WheeledBase {
 
     /// How fast the wheels really turn, left and right, rad/s.
     pub fn wheel_speeds(&self) -> [f64; 2] {
-        self.speeds
+        match &self.model {
+            Model::FirstOrder { speeds, .. } => *speeds,
+            Model::Dynamic(dynamics) => dynamics.wheel_speeds(),
+        }
+    }
+
+    /// Its bodies, if they have mass.
+    pub fn dynamics(&self) -> Option<&Dynamics> {
+        match &self.model {
+            Model::FirstOrder { .. } => None,
+            Model::Dynamic(dynamics) => Some(dynamics),
+        }
     }
 
     /// The encoders' counts since the start, left and right.
     pub fn counts(&self) -> [i32; 2] {
-        let per_radian = f64::from(self.parameters.counts_per_turn) / TAU;
-        let [left, right] = self.counted;
-        let [left_phase, right_phase] = self.parameters.encoder_phase;
-        [
-            (left * per_radian + left_phase).floor() as i32,
-            (right * per_radian + right_phase).floor() as i32,
-        ]
+        self.encoders.counts()
     }
 
     /// Lets `seconds` pass with the motors at `duty` (left, right), each in -1..=1.
@@ -161,73 +187,154 @@ impl WheeledBase {
     /// assert!(base.pose().x > 0.2 && base.pose().y.abs() < 0.02);
     /// ```
     pub fn step(&mut self, duty: [f64; 2], seconds: f64) {
-        let steps = (seconds / STEP).round().max(1.0);
-        let h = seconds / steps;
-        let response = 1.0 - (-h / self.parameters.time_constant).exp();
-        for _ in 0..steps as u32 {
+        self.step_among(duty, seconds, 0.0, |_| None);
+    }
+
+    /// The same where something may stand in the way: `touches` says where the robot's disc, `radius` wide,
+    /// overlaps it. The base then stays outside; how deep it was on the way there, m.
+    pub fn step_among(
+        &mut self,
+        duty: [f64; 2],
+        seconds: f64,
+        radius: f64,
+        mut touches: impl FnMut(TruePose) -> Option<Contact>,
+    ) -> Option<f64> {
+        let duty =
+            [0, 1].map(|wheel| duty[wheel].clamp(-1.0, 1.0) * (1.0 - self.faults.weak[wheel]));
+        let steps = match &self.model {
+            Model::FirstOrder { .. } => (seconds / STEP).round().max(1.0) as u32,
+            Model::Dynamic(_) => Dynamics::steps(seconds),
+        };
+        let h = seconds / f64::from(steps);
+        let response = match &self.model {
+            Model::FirstOrder { parameters, .. } => 1.0 - (-h / parameters.time_constant).exp(),
+            Model::Dynamic(_) => 0.0,
+        };
+        let mut deepest: Option<f64> = None;
+        for _ in 0..steps {
+            let before = self.pose;
             self.step_once(duty, h, response);
+            if let Some(depth) = self.keep_out(before, radius, &mut touches) {
+                deepest = Some(deepest.map_or(depth, |deepest| deepest.max(depth)));
+            }
         }
+        self.encoders.shake(self.faults.encoders);
+        deepest
     }
 
     fn step_once(&mut self, duty: [f64; 2], h: f64, response: f64) {
-        let BaseParameters { no_load_speed, friction_duty, wheel_radius, .. } = self.parameters;
-        let Faults { slip, blocked, encoders } = self.faults;
-        let mut rolled = [0.0; 2];
-        for wheel in 0..2 {
-            if blocked[wheel] {
-                self.speeds[wheel] = 0.0;
-                continue;
+        let Faults { encoders, encoders_swapped, lifted, .. } = self.faults;
+        let turned = match &mut self.model {
+            Model::FirstOrder { parameters, speeds } => {
+                let (turned, rolled) =
+                    turn_wheels(parameters, speeds, duty, &self.faults, h, response);
+                if !lifted {
+                    roll(&mut self.pose, parameters.track, rolled);
+                }
+                turned
             }
-            let speed = &mut self.speeds[wheel];
-            let drive = no_load_speed[wheel] * duty[wheel].clamp(-1.0, 1.0);
-            let drag = no_load_speed[wheel] * friction_duty;
-            let before = *speed;
-            // Friction opposes motion and holds a resting wheel against a weak motor.
-            let pull = if *speed == 0.0 {
-                drive.signum() * (drive.abs() - drag).max(0.0)
-            } else {
-                drive - drag * speed.signum()
-            };
-            *speed += (pull - *speed) * response;
-            if before * *speed < 0.0 && drive.abs() <= drag {
-                *speed = 0.0;
+            Model::Dynamic(dynamics) => {
+                let turned = dynamics.step(&mut self.pose, duty, &self.faults, h);
+                if self.encoders.design().before_gear { turned.motors } else { turned.wheels }
             }
-            let angle = (before + *speed) / 2.0 * h;
-            self.angles[wheel] += angle;
-            self.counted[wheel] += encoders[wheel].counted(angle);
-            rolled[wheel] = angle * wheel_radius[wheel] * (1.0 - slip[wheel]);
+        };
+        self.encoders.turn(turned, encoders, encoders_swapped);
+    }
+
+    /// Pushes the base out of what it overlaps; where there is no way out it stays where it was `before`.
+    fn keep_out(
+        &mut self,
+        before: TruePose,
+        radius: f64,
+        touches: &mut impl FnMut(TruePose) -> Option<Contact>,
+    ) -> Option<f64> {
+        let first = touches(self.pose)?;
+        let mut contact = first;
+        for _ in 0..MOST_PUSHES {
+            let Contact { depth, normal: [x, y] } = contact;
+            self.pose.x += depth * x;
+            self.pose.y += depth * y;
+            if let Model::Dynamic(dynamics) = &mut self.model {
+                dynamics.bump([x, y], self.pose.heading, radius);
+            }
+            match touches(self.pose) {
+                Some(next) => contact = next,
+                None => return Some(first.depth),
+            }
         }
-        self.roll(rolled);
+        let was_outside = touches(before).is_none_or(|was| was.depth <= contact.depth);
+        if was_outside {
+            (self.pose.x, self.pose.y) = (before.x, before.y);
+        }
+        Some(first.depth)
     }
 
     /// Moves the base as wheels do whose rims roll by these lengths, left and right, m: both on
-    /// circles about the same centre, the left one `track` nearer to it.
-    pub fn roll(&mut self, [left, right]: [f64; 2]) {
-        let turn = (right - left) / self.parameters.track;
-        let pose = &mut self.pose;
-        if turn.abs() < 1e-12 {
-            pose.x += left * pose.heading.cos();
-            pose.y += left * pose.heading.sin();
-            return;
-        }
-        let radius = left / turn + self.parameters.track / 2.0;
-        let (centre_x, centre_y) =
-            (pose.x - radius * pose.heading.sin(), pose.y + radius * pose.heading.cos());
-        let heading = pose.heading + turn;
-        pose.x = centre_x + radius * heading.sin();
-        pose.y = centre_y - radius * heading.cos();
-        pose.heading = heading - TAU * ((heading - PI) / TAU).ceil();
+    /// circles about the same centre, the left one nearer to it by the track.
+    pub fn roll(&mut self, rolled: [f64; 2]) {
+        let track = match &self.model {
+            Model::FirstOrder { parameters, .. } => parameters.track,
+            Model::Dynamic(dynamics) => dynamics.design().track,
+        };
+        roll(&mut self.pose, track, rolled);
     }
 }
 
-impl EncoderFault {
-    fn counted(self, angle: f64) -> f64 {
-        match self {
-            Self::None => angle,
-            Self::Stuck => 0.0,
-            Self::Reversed => -angle,
+/// Angles by which the wheels turn in a step, and lengths by which their rims roll.
+fn turn_wheels(
+    parameters: &BaseParameters,
+    speeds: &mut [f64; 2],
+    duty: [f64; 2],
+    faults: &Faults,
+    h: f64,
+    response: f64,
+) -> ([f64; 2], [f64; 2]) {
+    let BaseParameters { no_load_speed, friction_duty, wheel_radius, .. } = *parameters;
+    let (mut turned, mut rolled) = ([0.0; 2], [0.0; 2]);
+    for wheel in 0..2 {
+        let speed = &mut speeds[wheel];
+        if faults.blocked[wheel] {
+            *speed = 0.0;
+            continue;
         }
+        let drive = no_load_speed[wheel] * duty[wheel];
+        let drag = no_load_speed[wheel] * friction_duty;
+        let before = *speed;
+        // Friction opposes motion and holds a resting wheel against a weak motor.
+        let pull = if *speed == 0.0 {
+            drive.signum() * (drive.abs() - drag).max(0.0)
+        } else {
+            drive - drag * speed.signum()
+        };
+        *speed += (pull - *speed) * response;
+        if before * *speed < 0.0 && drive.abs() <= drag {
+            *speed = 0.0;
+        }
+        turned[wheel] = (before + *speed) / 2.0 * h;
+        rolled[wheel] = turned[wheel] * wheel_radius[wheel] * (1.0 - faults.slip[wheel]);
     }
+    (turned, rolled)
+}
+
+fn roll(pose: &mut TruePose, track: f64, [left, right]: [f64; 2]) {
+    let turn = (right - left) / track;
+    if turn.abs() < 1e-12 {
+        pose.x += left * pose.heading.cos();
+        pose.y += left * pose.heading.sin();
+        return;
+    }
+    let radius = left / turn + track / 2.0;
+    let (centre_x, centre_y) =
+        (pose.x - radius * pose.heading.sin(), pose.y + radius * pose.heading.cos());
+    let heading = pose.heading + turn;
+    pose.x = centre_x + radius * heading.sin();
+    pose.y = centre_y - radius * heading.cos();
+    pose.heading = wrapped(heading);
+}
+
+/// The same heading in (-π, π].
+pub(crate) fn wrapped(heading: f64) -> f64 {
+    heading - TAU * ((heading - PI) / TAU).ceil()
 }
 
 #[cfg(test)]
@@ -282,7 +389,7 @@ mod tests {
         base.set_faults(Faults { slip: [0.2, 0.0], ..Faults::default() });
         base.step([0.5, 0.5], 1.0);
         // The rims' difference over the track, with the encoders' agreement.
-        let rim = base.angles[0] * 0.035;
+        let rim = base.encoders.angles()[0] * 0.035;
         assert!((base.pose().heading - 0.2 * rim / 0.12).abs() < 1e-9);
         assert_eq!(base.counts()[0], base.counts()[1]);
         base.set_faults(Faults { blocked: [true, false], ..Faults::default() });
@@ -296,7 +403,7 @@ mod tests {
         let mut base = WheeledBase::new(ideal(), TruePose::default());
         base.step([0.5, 0.5], 1.0);
         let [left, _] = base.counts();
-        assert_eq!(left, (base.angles[0] / TAU * 1440.0).floor() as i32);
+        assert_eq!(left, (base.encoders.angles()[0] / TAU * 1440.0).floor() as i32);
         assert!(left > 1000);
     }
 }

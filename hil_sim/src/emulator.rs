@@ -288,6 +288,14 @@ impl Firmware for EmulatedPico {
         sent.extend(step.uart_out);
         Ok(step.duty)
     }
+
+    fn set_battery(&mut self, volts: f64) {
+        EmulatedPico::set_battery(self, volts as f32);
+    }
+
+    fn restart(&mut self) -> io::Result<()> {
+        self.reset().map_err(io::Error::other)
+    }
 }
 
 /// Fields yet to be read of an answer.

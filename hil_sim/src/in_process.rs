@@ -16,6 +16,8 @@ use std::time::Duration;
 pub struct InProcess {
     robot: Robot,
     battery: Option<f32>,
+    /// With which parameters, nonce and chip it has started.
+    made: (Parameters, u32, u64),
     flash: Flash,
     /// The base's counts when this start began: the board's own counters begin at zero.
     first_counts: Option<[i32; 2]>,
@@ -45,7 +47,7 @@ impl InProcess {
         let mut robot = Robot::new(parameters, boot);
         let [a, b] = &flash;
         robot.restore([a, b]);
-        Self { robot, battery: None, flash, first_counts: None }
+        Self { robot, battery: None, made: (parameters, nonce, chip), flash, first_counts: None }
     }
 
     /// What the flash holds.
@@ -105,6 +107,14 @@ impl Firmware for InProcess {
             sent.extend(&frame[..length]);
         }
         Ok(actuation.duty.map(f64::from))
+    }
+
+    /// Starts anew with what the flash holds, and with the wheels where they are.
+    fn restart(&mut self) -> io::Result<()> {
+        let (defaults, nonce, chip) = self.made;
+        let flash = std::mem::take(&mut self.flash);
+        *self = Self { battery: self.battery, ..Self::boot(defaults, nonce + 1, chip, flash) };
+        Ok(())
     }
 
     fn set_battery(&mut self, volts: f64) {

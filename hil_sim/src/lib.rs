@@ -7,13 +7,18 @@
 
 pub mod base;
 pub mod emulator;
+pub mod encoder;
 pub mod in_process;
 pub mod lockstep;
+pub mod physics;
 pub mod presets;
 #[cfg(unix)]
 pub mod pty;
 pub mod realtime;
+pub mod scenario;
+pub mod script;
 pub mod simulation;
 pub mod tcp;
+mod toml_file;
 pub mod wire;
 pub mod world;

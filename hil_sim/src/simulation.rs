@@ -8,7 +8,8 @@
 //! Time passes only in [`Simulation::wait`], so a run is the same every time and as fast as it computes.
 
 use crate::base::{TruePose, WheeledBase};
-use crate::wire::Wire;
+use crate::script::{Change, Condition, Glance, Script, Timeline};
+use crate::wire::{Faults, Pace, Wire};
 use crate::world::{CollisionLog, World};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -33,7 +34,18 @@ pub trait Firmware {
 
     /// The battery's voltage from now on, for firmware whose board measures it, volts.
     fn set_battery(&mut self, _volts: f64) {}
+
+    /// Takes the power away and gives it back; flash keeps its content.
+    ///
+    /// # Errors
+    /// If the firmware cannot be run any further, or has no power of its own.
+    fn restart(&mut self) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 }
+
+/// No base of this size is faster, m/s.
+const FASTEST: f64 = 5.0;
 
 /// A simulated robot in a simulated arena.
 #[derive(Clone, Debug)]
@@ -41,12 +53,18 @@ pub struct Simulation<B> {
     firmware: B,
     base: WheeledBase,
     world: Option<World>,
+    /// Whether shapes and walls keep the robot out, or are only watched.
+    solid: bool,
     collision_log: CollisionLog,
     to_robot: Wire,
     to_host: Wire,
     arrived: VecDeque<u8>,
     now: Duration,
     owed: Duration,
+    timeline: Option<Timeline>,
+    /// The wires' faults and pace without a script.
+    own_wires: [(Faults, Pace); 2],
+    powered: bool,
 }
 
 /// What really happened, whatever the robot believes.
@@ -65,18 +83,39 @@ impl<B: Firmware> Simulation<B> {
             firmware,
             base,
             world,
+            solid: false,
             collision_log: CollisionLog::default(),
             to_robot: Wire::default(),
             to_host: Wire::default(),
             arrived: VecDeque::new(),
             now: Duration::ZERO,
             owed: Duration::ZERO,
+            timeline: None,
+            own_wires: Default::default(),
+            powered: true,
         }
+    }
+
+    /// From now on `script` runs, in place of any other.
+    pub fn run_script(&mut self, script: Script) {
+        self.own_wires = [self.to_robot.quality(), self.to_host.quality()];
+        self.timeline = Some(Timeline::new(script, self.now));
+    }
+
+    /// Since when a script runs, if one does.
+    pub fn script_began(&self) -> Option<Duration> {
+        self.timeline.as_ref().map(Timeline::began)
     }
 
     /// The same with these wires, to the robot and to the host, in place of perfect ones.
     pub fn with_wires(self, to_robot: Wire, to_host: Wire) -> Self {
         Self { to_robot, to_host, ..self }
+    }
+
+    /// The same with shapes and walls that the robot bumps against; else it passes through, and only the
+    /// collision is counted.
+    pub fn with_solid_shapes(self) -> Self {
+        Self { solid: true, ..self }
     }
 
     /// The wires, to the robot and to the host.
@@ -116,19 +155,90 @@ impl<B: Firmware> Simulation<B> {
         while self.owed >= B::STEP {
             self.owed -= B::STEP;
             self.now += B::STEP;
+            self.follow_script()?;
             let mut received = Vec::new();
             while let Some(bytes) = self.to_robot.read(self.now) {
                 received.extend(bytes);
             }
-            let mut sent = VecDeque::new();
-            let duty = self.firmware.step(&received, self.base.counts(), &mut sent)?;
-            self.to_host.write(sent.make_contiguous(), self.now);
-            self.base.step(duty, B::STEP.as_secs_f64());
-            if let Some(world) = &self.world {
-                self.collision_log.observe(world.clearance(self.base.pose()));
+            let duty = if self.powered { self.step_firmware(&received)? } else { [0.0; 2] };
+            self.move_base(duty, B::STEP.as_secs_f64());
+        }
+        Ok(())
+    }
+
+    fn step_firmware(&mut self, received: &[u8]) -> io::Result<[f64; 2]> {
+        let mut sent = VecDeque::new();
+        let duty = self.firmware.step(received, self.base.counts(), &mut sent)?;
+        self.to_host.write(sent.make_contiguous(), self.now);
+        Ok(duty)
+    }
+
+    fn follow_script(&mut self) -> io::Result<()> {
+        let Some(timeline) = &mut self.timeline else { return Ok(()) };
+        let glance = Glance {
+            pose: self.base.pose(),
+            wheel_speeds: self.base.wheel_speeds(),
+            touches: self.collision_log.is_touching(),
+        };
+        let (changes, condition) = timeline.step(self.now, glance);
+        for change in changes {
+            self.change(change)?;
+        }
+        if let Some(Condition { base, wires }) = condition {
+            self.base.set_faults(base);
+            let ends = [&mut self.to_robot, &mut self.to_host].into_iter().zip(wires);
+            for ((wire, scripted), own) in ends.zip(self.own_wires) {
+                let (faults, pace) = scripted.unwrap_or(own);
+                wire.change(faults, pace);
             }
         }
         Ok(())
+    }
+
+    fn change(&mut self, change: Change) -> io::Result<()> {
+        match change {
+            Change::Reset => self.firmware.restart()?,
+            Change::PowerOff => self.powered = false,
+            Change::PowerOn => {
+                self.powered = true;
+                self.firmware.restart()?;
+            }
+            Change::Battery(volts) => self.firmware.set_battery(volts),
+            Change::Push([ahead, left, turn]) => {
+                let TruePose { x, y, heading } = self.base.pose();
+                let (sin, cos) = heading.sin_cos();
+                let x = x + ahead * cos - left * sin;
+                let y = y + ahead * sin + left * cos;
+                self.base.place(TruePose { x, y, heading: heading + turn });
+            }
+            Change::Place(pose) => self.base.place(pose),
+            Change::Add(shape) => {
+                self.world.iter_mut().for_each(|world| world.shapes.push(shape.clone()));
+            }
+            Change::Remove(shape) => {
+                self.world.iter_mut().for_each(|world| world.shapes.retain(|is| *is != shape));
+            }
+        }
+        Ok(())
+    }
+
+    fn move_base(&mut self, duty: [f64; 2], seconds: f64) {
+        let Some(world) = &self.world else { return self.base.step(duty, seconds) };
+        if !self.solid {
+            self.base.step(duty, seconds);
+            self.collision_log.observe(world.clearance(self.base.pose()));
+            return;
+        }
+        // Far from everything nothing can be touched within a step.
+        let depth = if world.clearance(self.base.pose()) > FASTEST * seconds {
+            self.base.step(duty, seconds);
+            None
+        } else {
+            let touches = |pose| world.contact(pose);
+            self.base.step_among(duty, seconds, world.robot_radius, touches)
+        };
+        let clearance = world.clearance(self.base.pose());
+        self.collision_log.observe_among_solids(clearance, depth);
     }
 }
 

@@ -118,6 +118,11 @@ impl Wire {
         (self.faults, self.pace) = (faults, pace);
     }
 
+    /// What it is like now.
+    pub fn quality(&self) -> (Faults, Pace) {
+        (self.faults, self.pace)
+    }
+
     /// Bytes put on the wire so far, by its sender.
     pub fn carried(&self) -> u64 {
         self.carried

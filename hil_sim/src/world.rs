@@ -1,9 +1,13 @@
 //! The arena around the base: true shapes and walls, and whether the robot touched one. Metres.
 
-use crate::base::TruePose;
+use crate::base::{Contact, TruePose};
 
 /// Overlaps up to this depth are contact, not collision, m.
 const CONTACT: f64 = 0.0001;
+/// How far the gap is looked at on either side for the way in which it grows, m.
+const NUDGE: f64 = 1e-7;
+/// A robot that has bumped against something has left it when it is so far from it, m.
+const LEFT: f64 = 0.001;
 
 /// What stands on the floor, m.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +21,18 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Its corners; of a disc, points around it.
+    pub fn outline(&self) -> Vec<[f64; 2]> {
+        match self {
+            &Self::Rect([x0, y0, x1, y1]) => vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]],
+            Self::Polygon(corners) => corners.clone(),
+            Self::Circle([x, y, radius]) => (0..48)
+                .map(|part| std::f64::consts::TAU * f64::from(part) / 48.0)
+                .map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()])
+                .collect(),
+        }
+    }
+
     /// The distance from the point to the shape's outline, negative inside.
     fn signed_distance(&self, x: f64, y: f64) -> f64 {
         match self {
@@ -78,6 +94,22 @@ impl World {
         let nearest = self.shapes.iter().map(|shape| shape.signed_distance(x, y));
         nearest.fold(wall, f64::min) - self.robot_radius
     }
+
+    /// Where the robot's disc at `pose` overlaps a shape or wall, and which way is out: that in which the
+    /// gap grows fastest.
+    pub fn contact(&self, pose: TruePose) -> Option<Contact> {
+        let depth = -self.clearance(pose);
+        if depth <= 0.0 {
+            return None;
+        }
+        let gap =
+            |dx: f64, dy: f64| self.clearance(TruePose { x: pose.x + dx, y: pose.y + dy, ..pose });
+        let [x, y] = [gap(NUDGE, 0.0) - gap(-NUDGE, 0.0), gap(0.0, NUDGE) - gap(0.0, -NUDGE)];
+        let length = x.hypot(y);
+        // In the very middle between two sides there is no nearest one: any way is as good.
+        let normal = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
+        Some(Contact { depth, normal })
+    }
 }
 
 /// What has happened to the robot in its world so far.
@@ -103,6 +135,19 @@ impl CollisionLog {
         self.collisions += u32::from(touching && !self.touching);
         self.touching = touching;
         self.min_clearance = self.min_clearance.min(clearance);
+    }
+
+    /// Whether the robot touches something now.
+    pub fn is_touching(&self) -> bool {
+        self.touching
+    }
+
+    /// Takes in the gap where shapes keep the robot out, and how deep it would have gone without, m.
+    pub fn observe_among_solids(&mut self, clearance: f64, depth: Option<f64>) {
+        let bumps = depth.is_some();
+        self.collisions += u32::from(bumps && !self.touching);
+        self.touching = bumps || (self.touching && clearance < LEFT);
+        self.min_clearance = self.min_clearance.min(clearance.min(-depth.unwrap_or(-clearance)));
     }
 }
 
@@ -143,6 +188,49 @@ mod tests {
         let ell = Shape::Polygon(ell.to_vec());
         assert!((ell.signed_distance(1.5, 1.5) - 0.5).abs() < 1e-12);
         assert!((ell.signed_distance(0.5, 1.5) + 0.5).abs() < 1e-12);
+    }
+
+    /// From a random place a little inside, the way out leads out: at once beside one shape, in turns in
+    /// the corner of two.
+    #[test]
+    fn the_way_out_leads_out() {
+        let corners = [[3.0, 0.5], [3.5, 1.5], [3.0, 1.2], [2.5, 1.5]];
+        let shapes = vec![
+            Shape::Rect([1.0, 1.0, 2.0, 2.0]),
+            Shape::Circle([0.5, 3.0, 0.2]),
+            Shape::Polygon(corners.to_vec()),
+        ];
+        let world = World { size: [4.0, 4.0], shapes, robot_radius: 0.1 };
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut touched = 0;
+        for _ in 0..2000 {
+            let mut pose = at(4.0 * random.f64(), 4.0 * random.f64());
+            let start = world.contact(pose).filter(|contact| contact.depth < 0.05);
+            touched += u32::from(start.is_some());
+            let mut next = start;
+            for _ in 0..8 {
+                let Some(Contact { depth, normal: [x, y] }) = next else { break };
+                (pose.x, pose.y) = (pose.x + depth * x, pose.y + depth * y);
+                next = world.contact(pose);
+            }
+            if start.is_some() {
+                assert!(world.clearance(pose) > -1e-5, "{pose:?} {start:?}");
+            }
+        }
+        assert!(touched > 100);
+    }
+
+    #[test]
+    fn a_bump_is_one_collision_until_the_robot_has_left() {
+        let mut log = CollisionLog::default();
+        for (clearance, depth) in
+            [(0.1, None), (0.0, Some(0.0002)), (0.0, None), (0.0005, Some(0.0001)), (0.01, None)]
+        {
+            log.observe_among_solids(clearance, depth);
+        }
+        assert_eq!((log.collisions, log.min_clearance), (1, -0.0002));
+        log.observe_among_solids(0.0, Some(0.0001));
+        assert_eq!(log.collisions, 2);
     }
 
     #[test]

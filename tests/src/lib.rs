@@ -15,9 +15,11 @@ pub mod fuzzing_vision;
 pub mod link;
 pub mod lockstep;
 pub mod model;
+pub mod monte_carlo;
 pub mod occupied;
 #[cfg(unix)]
 pub mod replug;
+pub mod scenarios;
 pub mod vehicles;
 pub mod vision_scores;
 

@@ -27,6 +27,7 @@ mod quantity;
 mod queries;
 mod resume;
 pub(crate) mod run;
+mod scenario;
 #[cfg(feature = "dashboard")]
 mod serve;
 mod sim;

@@ -1,5 +1,7 @@
 //! Numbers with units as a person types them: metres and degrees, or with a suffix.
 
+use hil_sim::presets::Preset;
+use hil_sim::scenario::Moment;
 use wmr::geometry::{Arena, Point};
 use wmr::scene::Goal;
 use wmr::shape::Circle;
@@ -156,6 +158,18 @@ fn scaled(text: &str, units: &[Unit], bare: fn(f64) -> f64) -> Option<f64> {
 
 fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// A base that can be bought.
+pub(crate) fn preset(text: &str) -> Result<Preset, String> {
+    let names = Preset::ALL.map(Preset::name).join(", ");
+    Preset::named(text).ok_or_else(|| format!("there are {names}"))
+}
+
+/// When the fault of a scenario begins.
+pub(crate) fn moment(text: &str) -> Result<Moment, String> {
+    let found = Moment::ALL.iter().find(|(name, _)| *name == text).map(|(_, moment)| *moment);
+    found.ok_or_else(|| format!("there are {}", Moment::ALL.map(|(name, _)| name).join(", ")))
 }
 
 #[cfg(test)]

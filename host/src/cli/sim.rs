@@ -6,12 +6,14 @@ use super::error::{CliError, Exit};
 use super::input::{self, Input, Sight};
 use super::mission::{self, place};
 use super::output::Output;
+use super::scenario;
 use hil_sim::base::{BaseParameters, TruePose};
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::lockstep::{self, Lockstep, Pacing};
 use hil_sim::realtime;
-use hil_sim::simulation::{Firmware, Truth};
+use hil_sim::script::{FileError, Script};
+use hil_sim::simulation::{Firmware, Simulation, Truth};
 use hil_sim::tcp::TcpPort;
 use serde_json::json;
 use std::io::{self, Read, Write};
@@ -23,6 +25,10 @@ use wmr::geometry::Pose;
 /// `wmr sim`.
 pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
     mission::catch_interrupts();
+    if let Some(path) = &args.scenario {
+        return scenario::play(path, args, output);
+    }
+    let script = read_script(args)?;
     let world = match &args.scene {
         None => SimulatedWorld { world: None, start: TruePose::default(), seed: args.seed },
         Some(path) => match input::read(
@@ -49,9 +55,47 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
         },
     };
     match &args.elf {
-        Some(elf) => serve(world, EmulatedPico::spawn(elf)?, args, output),
-        None => serve(world, InProcess::numbered(args.seed), args, output),
+        Some(elf) => serve(world, EmulatedPico::spawn(elf)?, script, args, output),
+        None => {
+            let firmware = match args.base {
+                Some(base) => InProcess::new(base.parameters(), 1),
+                None => InProcess::numbered(args.seed),
+            };
+            serve(world, firmware, script, args, output)
+        }
     }
+}
+
+/// The faults of the file and those of the command line.
+fn read_script(args: &SimArgs) -> Result<Script, CliError> {
+    let mut script = match &args.faults {
+        None => Script::default(),
+        Some(path) => {
+            let text = read_text(path)?;
+            Script::parse(&text).map_err(|error| refused(&path.display().to_string(), &error))?
+        }
+    };
+    for fault in &args.fault {
+        let one = Script::parse_short(fault).map_err(|error| {
+            CliError::usage(format!("--fault {fault}: {error}"), "write it as KIND,FIELD=VALUE,...")
+        })?;
+        script.faults.extend(one.faults);
+    }
+    Ok(script)
+}
+
+/// The text of a file.
+pub(super) fn read_text(path: &Path) -> Result<String, CliError> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let message = format!("cannot read {}: {error}", path.display());
+        CliError::new(Exit::File, "file.unreadable", message, "check the file's name")
+    })
+}
+
+/// A file that is wrong in some line.
+pub(super) fn refused(name: &str, error: &FileError) -> CliError {
+    let message = format!("{name}: {error}");
+    CliError::new(Exit::File, "file.bad", message, "correct that line; the README shows a script")
 }
 
 /// What clients open.
@@ -61,6 +105,7 @@ impl<P: Read + Write> Port for P {}
 fn serve<B: Firmware>(
     world: SimulatedWorld,
     firmware: B,
+    script: Script,
     args: &SimArgs,
     output: Output,
 ) -> Result<(), CliError> {
@@ -70,8 +115,14 @@ fn serve<B: Firmware>(
         return output
             .result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
     }
-    let base = BaseParameters::seeded(args.seed);
-    let mut simulation = world.with(firmware, base);
+    let mut simulation = match args.base {
+        None => world.with(firmware, BaseParameters::seeded(args.seed)),
+        Some(preset) => {
+            let base = preset.base(args.seed, world.start);
+            Simulation::new(firmware, base, world.world).with_solid_shapes()
+        }
+    };
+    simulation.run_script(script);
     let mut collisions = 0;
     realtime::run(&mut simulation, &mut port, |simulation| {
         let truth = simulation.truth();

@@ -14,6 +14,7 @@ mod fitness;
 pub mod mission;
 pub mod parameters;
 pub mod port;
+pub mod rehearsal;
 pub mod reopening;
 pub mod resume;
 pub mod standing;

@@ -83,7 +83,8 @@ impl Watch {
         let Some(telemetry) = telemetry else { return Ok(()) };
         let since = self.ticks.replace(telemetry.ticks).unwrap_or(telemetry.ticks);
         let step = telemetry.ticks.wrapping_sub(since).min(LONGEST_STEP);
-        self.waited = if busy { 0 } else { self.waited + step };
+        // A camera's poses keep the wire busy again and again: that must not begin the wait anew.
+        self.waited += if busy { 0 } else { step };
         match awaited {
             Awaited::Answer if self.waited > ANSWER_TICKS => {
                 Err(LinkError::NoAnswer(duration(self.waited)).into())
@@ -108,7 +109,7 @@ impl Watch {
             State::Driving => self.driven += step,
             State::Paused(_) if pause_wanted => {}
             State::Paused(_) => paused = self.paused + step,
-            State::Idle | State::Stopped | State::Faulted(_) if busy => {}
+            State::Idle | State::Stopped | State::Faulted(_) if busy => resting = self.resting,
             State::Idle | State::Stopped | State::Faulted(_) => resting = self.resting + step,
         }
         (self.resting, self.paused) = (resting, paused);

@@ -6,6 +6,7 @@ pub mod grid;
 pub mod motion;
 pub mod overhead;
 pub mod plan;
+pub mod replay;
 pub mod stereo;
 pub mod svg;
 pub mod tags;

@@ -13,6 +13,8 @@ pub(crate) use way::{CostName, PlannerName, TimingName, WayArgs};
 
 use super::quantity;
 use clap::{Args, Parser, Subcommand};
+use hil_sim::presets::Preset;
+use hil_sim::scenario::Moment;
 use std::path::PathBuf;
 
 /// What every command understands stands below its own options.
@@ -202,7 +204,8 @@ pub(crate) struct DriveArgs {
 #[derive(Debug, Args)]
 pub(crate) struct SimArgs {
     /// Offer a pseudo-terminal under this name (Unix).
-    #[arg(long, value_name = "LINK", conflicts_with = "tcp", required_unless_present = "tcp")]
+    #[arg(long, value_name = "LINK", conflicts_with = "tcp",
+        required_unless_present_any = ["tcp", "scenario"])]
     pub(crate) pty: Option<PathBuf>,
     /// Offer a socket at this address, such as 127.0.0.1:7071.
     #[arg(long, value_name = "ADDR")]
@@ -225,4 +228,23 @@ pub(crate) struct SimArgs {
     /// Which of many slightly different robots it is.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) seed: u64,
+    /// Which base it drives: romi, 3pi+ or tt-kit, with mass, tyres that slip and shapes that stop it.
+    #[arg(long, value_parser = quantity::preset, value_name = "NAME", conflicts_with = "lockstep")]
+    pub(crate) base: Option<Preset>,
+    /// What goes wrong and when, from a TOML file of [[fault]] tables.
+    #[arg(long, value_name = "FILE", conflicts_with = "lockstep")]
+    pub(crate) faults: Option<PathBuf>,
+    /// One fault, such as loss,share=0.5,at=2,for=1 or blocked,wheel=left,event=turn,nth=2; may be repeated.
+    #[arg(long, value_name = "KIND,FIELD=VALUE", conflicts_with = "lockstep")]
+    pub(crate) fault: Vec<String>,
+    /// Play this scenario to its end, in place of offering a robot; its end must be the expected one.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["pty", "tcp", "lockstep", "scene", "base",
+        "faults", "fault"])]
+    pub(crate) scenario: Option<PathBuf>,
+    /// With --scenario: when its fault begins.
+    #[arg(long, value_parser = quantity::moment, default_value = "drive", value_name = "MOMENT")]
+    pub(crate) moment: Moment,
+    /// With --scenario: draw what happened, moving, to this SVG file.
+    #[arg(short, long, alias = "output", requires = "scenario", value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
 }
