@@ -199,7 +199,10 @@ fn late_ticks_cut_the_drive_once_there_are_too_many() {
     let end = late(Duration::from_millis(17)).unwrap();
     assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
     let end = late(Duration::from_millis(27)).map(|_| ());
-    assert!(matches!(end, Err(MissionError::Fault(message::Fault::TickOverrun))), "{end:?}");
+    assert!(
+        matches!(end, Err(MissionError::Fault { fault: message::Fault::TickOverrun, .. })),
+        "{end:?}"
+    );
 }
 
 /// A few of the fifty of `examples/elf_resets.rs`, one of each cause.

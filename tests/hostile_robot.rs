@@ -279,7 +279,7 @@ fn a_robot_that_does_not_drive_its_plan_is_believed() {
     let error = after(State::Stopped);
     assert!(matches!(error, MissionError::Stopped), "{error}");
     let error = after(State::Faulted(Fault::Stall));
-    assert!(matches!(error, MissionError::Fault(Fault::Stall)), "{error}");
+    assert!(matches!(error, MissionError::Fault { fault: Fault::Stall, .. }), "{error}");
 }
 
 #[test]

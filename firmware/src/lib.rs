@@ -15,6 +15,7 @@ mod battery;
 pub mod chained_form;
 pub mod controller;
 pub mod cosine_switch;
+mod effort;
 pub mod kinematics;
 mod leg_queue;
 mod leg_runner;

@@ -9,6 +9,9 @@ use protocol::motion::Pose;
 pub struct Sensors {
     /// The encoders' counts since the start, left and right; they may wrap around.
     pub counts: [i32; 2],
+    /// Whether both channels of the left and the right input changed at once since the last tick, so that a
+    /// count was lost.
+    pub skipped: [bool; 2],
     /// The battery's voltage, if the board measures it, volts.
     pub battery: Option<f32>,
     /// Control periods that passed without a tick since the last one.

@@ -117,7 +117,7 @@ impl Watch {
     fn judge_leg(&self, state: State, leg: u16, planned: u32) -> Result<(), MissionError> {
         if self.resting > REST_TICKS {
             return Err(match state {
-                State::Faulted(fault) => MissionError::Fault(fault),
+                State::Faulted(fault) => MissionError::Fault { fault, wheel: None },
                 State::Stopped => MissionError::Stopped,
                 state => MissionError::NotDriving { state, since: duration(self.resting) },
             });
@@ -206,7 +206,7 @@ mod tests {
         assert!(matches!(error, MissionError::NotDriving { state: State::Idle, .. }), "{error}");
         assert!(matches!(end(State::Stopped).1, MissionError::Stopped));
         let fault = end(State::Faulted(Fault::Stall)).1;
-        assert!(matches!(fault, MissionError::Fault(Fault::Stall)), "{fault}");
+        assert!(matches!(fault, MissionError::Fault { fault: Fault::Stall, .. }), "{fault}");
         let (ticks, _) = end(State::Paused(PauseReason::Silence));
         assert_eq!(ticks, PAUSE_TICKS + STEP);
     }
