@@ -19,6 +19,7 @@ mod effort;
 pub mod kinematics;
 mod leg_queue;
 mod leg_runner;
+mod light;
 mod link_end;
 mod math;
 pub mod odometry;

@@ -63,6 +63,8 @@ pub struct Boot {
 pub struct Actuation {
     /// The motors' duty, left and right, -1..=1; positive drives forward.
     pub duty: [f32; 2],
+    /// The light on the board is on.
+    pub light: bool,
     /// Restart now; only requested at rest.
     pub reboot: Option<Reboot>,
     /// Do this to the flash with [`Robot::parameter_record`](crate::robot::Robot::parameter_record), and then call

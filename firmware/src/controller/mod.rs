@@ -119,6 +119,11 @@ impl Controller {
         self.battery.report()
     }
 
+    /// What the battery means now.
+    pub fn battery_level(&self) -> BatteryLevel {
+        self.battery.level()
+    }
+
     /// What is measured, besides the pose and the wheels' speeds.
     pub fn measurement(&self) -> Measurement {
         let (counts, skipped) = (self.counts, self.skipped);

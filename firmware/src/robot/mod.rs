@@ -10,6 +10,7 @@
 mod commands;
 
 use crate::controller::Controller;
+use crate::light;
 use crate::link_end::{LinkEnd, Received};
 use crate::outbox::Outbox;
 use crate::parameter_store::{ParameterStore, RECORD_SIZE};
@@ -165,7 +166,9 @@ impl Robot {
             self.take_commands(port);
         }
         let reboot = if self.controller.is_at_rest() { self.reboot.take() } else { None };
-        Actuation { duty, reboot, save: self.due_save() }
+        let light =
+            light::is_on(self.controller.state(), self.controller.battery_level(), self.ticks);
+        Actuation { duty, light, reboot, save: self.due_save() }
     }
 
     /// Writes the next frame for a wire into `out`; 0 if there is nothing to say now.

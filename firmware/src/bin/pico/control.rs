@@ -5,7 +5,7 @@ use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
-use embassy_time::{Duration, Instant, Timer};
+use embassy_time::{Duration, Instant};
 use protocol::message::{Reboot, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::parameters::Parameters;
@@ -56,9 +56,7 @@ async fn main(threads: Spawner) {
     ) {
         interrupts.spawn(control);
         threads.spawn(link);
-        parts.led.set_high();
     }
-    // The light stays on for as long as this task lives.
     core::future::pending::<()>().await;
 }
 
@@ -75,16 +73,17 @@ async fn control(
     let boot = Boot { nonce, board: BOARD, reset, chip: store.chip() };
     let mut robot = Robot::new(Parameters::default(), boot);
     restore(&mut robot, &mut store);
-    let mut due = Instant::now() + TICK;
+    let mut due = None;
     let mut silent_ticks = 0;
     loop {
-        Timer::at(due).await;
+        base.period.wait().await;
         base.tick.set_high();
-        let missed_ticks = missed(due);
-        due += TICK * (u32::from(missed_ticks) + 1);
+        let missed_ticks = due.map_or(0, missed);
+        due = Some(due.unwrap_or_else(Instant::now) + TICK * (u32::from(missed_ticks) + 1));
         let sensors = base.sense(missed_ticks, robot.battery_divider());
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
+        base.led.set_level(actuation.light.into());
 
         link::UART.serve(&mut robot, Port::Uart);
         link::USB_SERIAL.serve(&mut robot, Port::Usb);
@@ -99,9 +98,10 @@ async fn control(
             watchdog.feed(SAVE_TIMEOUT);
             save(&mut robot, &mut store, steps);
             // The ticks of that time are not made up for: the wheels stood still.
-            due = Instant::now() + TICK;
+            due = None;
         }
 
+        link::ask_for_life();
         silent_ticks = if link::alive() { 0 } else { silent_ticks + 1 };
         if silent_ticks <= LINK_PATIENCE {
             watchdog.feed(WATCHDOG_TIMEOUT);
