@@ -9,6 +9,7 @@ use embassy_time::{Duration, Instant};
 use protocol::message::{Reboot, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::parameters::Parameters;
+use static_cell::StaticCell;
 use wmr_firmware::parameter_store::{Slot, Step};
 use wmr_firmware::robot::{Boot, Port, Robot};
 
@@ -60,7 +61,7 @@ async fn main(threads: Spawner) {
     core::future::pending::<()>().await;
 }
 
-/// Owns the robot, which is made here: several kilobytes that would otherwise lie on the stack too.
+/// Owns the robot.
 #[embassy_executor::task]
 async fn control(
     mut base: Base,
@@ -70,9 +71,8 @@ async fn control(
     mut watchdog: Watchdog,
 ) {
     // What the task is given lies on the stack while it is spawned, so it is given little.
-    let boot = Boot { nonce, board: BOARD, reset, chip: store.chip() };
-    let mut robot = Robot::new(Parameters::default(), boot);
-    restore(&mut robot, &mut store);
+    let robot = made(Boot { nonce, board: BOARD, reset, chip: store.chip() });
+    restore(robot, &mut store);
     let mut due = None;
     let mut silent_ticks = 0;
     loop {
@@ -85,8 +85,8 @@ async fn control(
         base.motors.drive(actuation.duty);
         base.led.set_level(actuation.light.into());
 
-        link::UART.serve(&mut robot, Port::Uart);
-        link::USB_SERIAL.serve(&mut robot, Port::Usb);
+        link::UART.serve(robot, Port::Uart);
+        link::USB_SERIAL.serve(robot, Port::Usb);
         if link::touched() {
             robot.request_reboot(Reboot::Bootloader);
         }
@@ -96,7 +96,7 @@ async fn control(
 
         if let Some(steps) = actuation.save {
             watchdog.feed(SAVE_TIMEOUT);
-            save(&mut robot, &mut store, steps);
+            save(robot, &mut store, steps);
             // The ticks of that time are not made up for: the wheels stood still.
             due = None;
         }
@@ -108,6 +108,13 @@ async fn control(
         }
         base.tick.set_low();
     }
+}
+
+/// The robot. Apart, so that it lies on the stack only while it is made.
+#[inline(never)]
+fn made(boot: Boot) -> &'static mut Robot {
+    static ROBOT: StaticCell<Robot> = StaticCell::new();
+    ROBOT.init_with(|| Robot::new(Parameters::default(), boot))
 }
 
 /// Takes what the flash holds. Apart, as [`save`] is, so that its pages lie on the stack only meanwhile.
