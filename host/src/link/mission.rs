@@ -384,9 +384,12 @@ impl Mission {
     /// A robot that waits because nobody was heard hears somebody now; only what the user has paused
     /// stays so. It is asked again where it fell silent a second time unseen.
     fn go_on_after_silence<P: Read + Write>(&mut self, client: &mut LinkClient<P>) {
+        // Until it has said that it has the plan, there is nothing of this mission to go on with.
         let waits = client
             .telemetry()
-            .filter(|last| last.state == State::Paused(PauseReason::Silence))
+            .filter(|last| {
+                self.accepted.is_some() && last.state == State::Paused(PauseReason::Silence)
+            })
             .map(|last| last.ticks);
         let Some(now) = waits else {
             self.resume_asked = None;
