@@ -199,7 +199,10 @@ fn late_ticks_cut_the_drive_once_there_are_too_many() {
     let end = late(Duration::from_millis(17)).unwrap();
     assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
     let end = late(Duration::from_millis(27)).map(|_| ());
-    assert!(matches!(end, Err(MissionError::Fault(message::Fault::TickOverrun))), "{end:?}");
+    assert!(
+        matches!(end, Err(MissionError::Fault { fault: message::Fault::TickOverrun, .. })),
+        "{end:?}"
+    );
 }
 
 /// A few of the fifty of `examples/elf_resets.rs`, one of each cause.
@@ -314,6 +317,35 @@ fn the_usb_port_answers_and_its_touch_starts_the_boot_loader() {
     }
 }
 
+/// On its own battery a board is not told that its cable is pulled: what waits to be sent waits on.
+#[test]
+fn a_pulled_usb_cable_leaves_the_other_port_and_comes_back() {
+    let (mut client, mut now) = (Spun::client(true), Duration::ZERO);
+    client.port_mut().pico.set_usb_line(115_200, true).unwrap();
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    assert!(client.robot().is_some(), "no answer over USB");
+    client.port_mut().pico.unplug_usb().unwrap();
+    let mut port = client.into_port();
+    (port.usb, port.to_robot) = (false, Vec::new());
+    port.to_host.clear();
+    let mut client = LinkClient::new(port, 8);
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    assert!(client.robot().is_some(), "no answer over the UART");
+    let parameters = Parameters { track: Metres(0.1225), ..Parameters::default() };
+    assert!(client.send(Command::SetParameters(parameters)), "it may take the robot over");
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+
+    let mut port = client.into_port();
+    (port.usb, port.to_robot) = (true, Vec::new());
+    port.to_host.clear();
+    port.pico.set_usb_line(115_200, true).unwrap();
+    let mut client = LinkClient::new(port, 9);
+    Spun::turn(&mut client, 60, [0; 2], &mut now);
+    let robot = client.robot().expect("an answer over USB after it was plugged in again");
+    assert_eq!(robot.limits.track, Metres(0.1225));
+    assert_eq!(client.port_mut().pico.step(POLL, &[], [0; 2]).unwrap().resets, 0);
+}
+
 #[test]
 fn noise_on_both_ports_delays_no_tick() {
     let mut pico = pico();
@@ -334,6 +366,49 @@ fn noise_on_both_ports_delays_no_tick() {
         assert!(period.abs_diff(POLL) < TICK_DELAY, "{period:?}");
     }
     assert!(ticks.len() >= 198, "{}", ticks.len());
+}
+
+#[test]
+fn a_mission_needs_no_alarm_of_the_timer() {
+    // One that is lost would freeze whatever waits for any of them.
+    let mut lost = false;
+    let (_, mut simulation) = drive(robot(), legs(), START, 60, |client, _| {
+        if !lost && client.port_mut().now() > Duration::from_millis(1000) {
+            lost = true;
+            client.port_mut().firmware_mut().inject(Fault::LostAlarms).unwrap();
+        }
+    })
+    .unwrap();
+    let end = simulation.truth().pose;
+    assert!(GOAL.distance(Point::new(end.x, end.y)) < POSITION_TOLERANCE, "{end:?}");
+    assert_eq!(simulation.firmware_mut().step(POLL, &[], [0; 2]).unwrap().resets, 0);
+}
+
+#[test]
+fn an_encoder_that_is_too_fast_is_known_to_lose_counts() {
+    let (mut client, mut now) = (Spun::client(false), Duration::ZERO);
+    let skipped = |client: &mut LinkClient<Spun>, now: &mut Duration| {
+        assert!(client.send(Command::Measure));
+        for _ in 0..20 {
+            let port = client.port_mut();
+            let step = port.pico.step(POLL, &std::mem::take(&mut port.to_robot), port.counts);
+            port.to_host.extend(step.unwrap().uart_out);
+            *now += POLL;
+            for report in client.poll(*now).unwrap() {
+                if let message::Report::Measured(measured) = report {
+                    return measured.skipped;
+                }
+            }
+        }
+        unreachable!("no answer")
+    };
+    Spun::turn(&mut client, 40, [0; 2], &mut now);
+    Spun::turn(&mut client, 20, [250, -250], &mut now);
+    assert_eq!(skipped(&mut client, &mut now), [0; 2], "50 000 edges a second are slow enough");
+    // An edge each 2 us on the right wheel: several within a sample.
+    Spun::turn(&mut client, 20, [250, 2500], &mut now);
+    let [left, right] = skipped(&mut client, &mut now);
+    assert!(left == 0 && (18..=22).contains(&right), "{left} {right}");
 }
 
 #[test]

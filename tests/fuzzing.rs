@@ -4,6 +4,7 @@
 use fastrand::Rng;
 use std::fs;
 use wmr_tests::fuzzing::{decoder, whole_stack};
+use wmr_tests::fuzzing_host::hostile_robot;
 use wmr_tests::fuzzing_vision::vision;
 
 fn corpus(target: &str) -> Vec<Vec<u8>> {
@@ -30,6 +31,17 @@ fn the_whole_stack_keeps_its_promises() {
         let mut random = Rng::with_seed(seed);
         let bytes: Vec<u8> = (0..random.usize(0..120)).map(|_| random.u8(..)).collect();
         let result = std::panic::catch_unwind(|| whole_stack(&bytes));
+        assert!(result.is_ok(), "seed {seed}: {bytes:?}");
+    }
+}
+
+#[test]
+fn the_host_keeps_its_promises_to_a_robot_that_keeps_none() {
+    corpus("hostile_robot").iter().for_each(|bytes| hostile_robot(bytes));
+    for seed in 0..5_000 {
+        let mut random = Rng::with_seed(seed);
+        let bytes: Vec<u8> = (0..random.usize(0..120)).map(|_| random.u8(..)).collect();
+        let result = std::panic::catch_unwind(|| hostile_robot(&bytes));
         assert!(result.is_ok(), "seed {seed}: {bytes:?}");
     }
 }

@@ -2,17 +2,9 @@
 //! its reason, within the planned time and 5 s, and none is taken for having reached its goal.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-use protocol::frame::{Decoder, Header, MAX_FRAME, encode};
-use protocol::message::{
-    Board, Command, Fault, LegResult, MAX_LEGS, PROTOCOL_VERSION, PauseReason, Report, ResetCause,
-    RobotHello, State, Telemetry,
-};
-use protocol::motion::{Leg, Limits, Pose, Timing, WheelSpeeds};
-use protocol::schema::SCHEMA_HASH;
-use protocol::session::{Session, session_id};
-use protocol::units::{MetresPerSecond, Milliseconds, RadiansPerSecond};
-use std::collections::VecDeque;
-use std::io::{self, ErrorKind, Read, Write};
+use protocol::message::{Fault, LegResult, PauseReason, Report, State};
+use protocol::motion::{Leg, Limits, Pose, Timing};
+use protocol::units::MetresPerSecond;
 use std::time::Duration;
 use wmr::geometry::Point;
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
@@ -20,209 +12,11 @@ use wmr::link::drive::{DriveError, TimedPort, drive, stop, wait_for};
 use wmr::link::mission::Mission;
 use wmr::link::parameters::{Exchange, ParameterError, Request};
 use wmr::link::{Impossible, LinkClient, LinkError, MissionError};
+use wmr_tests::hostile::{Behaviour, START, TALKER, Talker, Zeros};
 
-const START: Pose = Pose::new(0.0, 0.0, 0.0);
-const GOAL: Pose = Pose::new(1.0, 0.5, std::f32::consts::FRAC_PI_2);
 /// What the contract allows beyond the planned time.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// A robot's word comes this often.
-const BEAT: Duration = Duration::from_millis(20);
-
-/// What a robot does that is no robot of ours.
-#[derive(Clone, Copy)]
-struct Behaviour {
-    max_legs: u16,
-    limits: Limits,
-    acknowledges: bool,
-    ticks_a_beat: u32,
-    before: (State, f32),
-    after: (State, f32),
-    place_after: Pose,
-    /// What it reports once it has the plan.
-    reports: fn(u32) -> Vec<Report>,
-    /// What it sends besides, as fast as it is read.
-    flood: &'static [u8],
-}
-
-const NOTHING: fn(u32) -> Vec<Report> = |_| Vec::new();
-
-const TALKER: Behaviour = Behaviour {
-    max_legs: MAX_LEGS as u16,
-    limits: DEFAULT_LIMITS,
-    acknowledges: true,
-    ticks_a_beat: 4,
-    before: (State::Idle, 0.0),
-    after: (State::Driving, 0.0),
-    place_after: START,
-    reports: NOTHING,
-    flood: &[],
-};
-
-struct Talker {
-    behaviour: Behaviour,
-    now: Duration,
-    beaten: Duration,
-    ticks: u32,
-    decoder: Decoder,
-    session: Option<Session<Report, Command>>,
-    plan: Option<u32>,
-    legs: u16,
-    stop: u8,
-    out: VecDeque<u8>,
-    reads: u32,
-}
-
-impl Talker {
-    fn new(behaviour: Behaviour) -> Self {
-        Self {
-            behaviour,
-            now: Duration::ZERO,
-            beaten: Duration::ZERO,
-            ticks: 100,
-            decoder: Decoder::default(),
-            session: None,
-            plan: None,
-            legs: 0,
-            stop: 0,
-            out: VecDeque::new(),
-            reads: 0,
-        }
-    }
-
-    fn milliseconds(&self) -> Milliseconds {
-        Milliseconds(self.now.as_millis() as u32)
-    }
-
-    fn greet(&mut self, host_nonce: u32) {
-        let Behaviour { limits, max_legs, .. } = self.behaviour;
-        let hello = RobotHello {
-            version: PROTOCOL_VERSION,
-            schema: SCHEMA_HASH,
-            host_nonce,
-            nonce: 7,
-            board: Board::Pico,
-            firmware: [0, 1, 0],
-            git: 0,
-            limits,
-            max_legs,
-            driven: None,
-            reset: ResetCause::PowerOn,
-        };
-        let now = self.milliseconds();
-        self.session.get_or_insert_with(|| Session::new(session_id(host_nonce, 7), now));
-        let mut frame = [0; MAX_FRAME];
-        let length = encode(&Header::default(), &Report::Hello(hello), &mut frame).unwrap();
-        self.out.extend(&frame[..length]);
-    }
-
-    fn hear(&mut self, command: Command) {
-        match command {
-            Command::PlanBegin(header) => self.legs = header.count,
-            Command::PlanCommit { plan } => {
-                self.plan = Some(plan);
-                self.report(Report::PlanAccepted { plan, end: self.legs });
-                for report in (self.behaviour.reports)(plan) {
-                    self.report(report);
-                }
-            }
-            Command::Stop { number } => self.stop = number,
-            _ => {}
-        }
-    }
-
-    fn report(&mut self, report: Report) {
-        let _ = self.session.as_mut().unwrap().send(report);
-    }
-
-    fn say(&mut self, report: &Report) {
-        let mut frame = [0; MAX_FRAME];
-        let length = self.session.as_mut().unwrap().write_unreliable(report, &mut frame);
-        self.out.extend(&frame[..length]);
-    }
-
-    fn beat(&mut self) {
-        let Behaviour { before, after, place_after, ticks_a_beat, .. } = self.behaviour;
-        let ((state, speed), pose) =
-            if self.plan.is_some() { (after, place_after) } else { (before, START) };
-        self.ticks = self.ticks.wrapping_add(ticks_a_beat);
-        let wheels = WheelSpeeds { left: RadiansPerSecond(speed), right: RadiansPerSecond(speed) };
-        self.say(&Report::Telemetry(Telemetry { ticks: self.ticks, pose, wheels, state, leg: 0 }));
-        self.say(&Report::Heartbeat { stop: self.stop });
-        let mut frame = [0; MAX_FRAME];
-        let now = self.milliseconds();
-        loop {
-            let length = self.session.as_mut().unwrap().poll(now, &mut frame);
-            if length == 0 {
-                break;
-            }
-            self.out.extend(&frame[..length]);
-        }
-    }
-}
-
-impl Write for Talker {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        for byte in bytes {
-            let Some(Ok((header, command))) = self.decoder.push::<Command>(*byte) else { continue };
-            if let Command::Hello(hello) = command {
-                self.greet(hello.nonce);
-                continue;
-            }
-            let now = self.milliseconds();
-            let Some(session) = self.session.as_mut() else { continue };
-            if !self.behaviour.acknowledges && header.sequence.is_some() {
-                continue;
-            }
-            session.accept(&header, command, now);
-            if header.sequence.is_none() {
-                self.hear(command);
-            }
-            while let Some(command) = self.session.as_mut().unwrap().next_message() {
-                self.hear(command);
-            }
-        }
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Read for Talker {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.reads += 1;
-        assert!(self.reads < 1000, "one poll never ends");
-        for (place, byte) in buffer.iter_mut().enumerate() {
-            *byte = match self.out.pop_front() {
-                Some(byte) => byte,
-                None if !self.behaviour.flood.is_empty() => {
-                    self.behaviour.flood[place % self.behaviour.flood.len()]
-                }
-                None if place == 0 => return Err(ErrorKind::WouldBlock.into()),
-                None => return Ok(place),
-            };
-        }
-        Ok(buffer.len())
-    }
-}
-
-impl TimedPort for Talker {
-    fn now(&self) -> Duration {
-        self.now
-    }
-
-    fn wait(&mut self, duration: Duration) -> io::Result<()> {
-        self.reads = 0;
-        self.now += duration;
-        assert!(self.now < Duration::from_secs(60), "it does not end");
-        if self.session.is_some() && self.now - self.beaten >= BEAT {
-            self.beaten = self.now;
-            self.beat();
-        }
-        Ok(())
-    }
-}
+const GOAL: Pose = Pose::new(1.0, 0.5, std::f32::consts::FRAC_PI_2);
 
 /// Two legs: a metre ahead, and half a metre to the left.
 fn legs() -> Vec<Leg> {
@@ -279,7 +73,7 @@ fn a_robot_that_does_not_drive_its_plan_is_believed() {
     let error = after(State::Stopped);
     assert!(matches!(error, MissionError::Stopped), "{error}");
     let error = after(State::Faulted(Fault::Stall));
-    assert!(matches!(error, MissionError::Fault(Fault::Stall)), "{error}");
+    assert!(matches!(error, MissionError::Fault { fault: Fault::Stall, .. }), "{error}");
 }
 
 #[test]
@@ -365,37 +159,6 @@ fn a_peer_that_sends_without_end_delays_neither_timers_nor_the_users_stop() {
         panic!("{error:?}")
     };
     assert!(client.port_mut().0 < Duration::from_secs(3));
-}
-
-/// A port full of zeros.
-struct Zeros(Duration);
-
-impl Read for Zeros {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        buffer.fill(0);
-        Ok(buffer.len())
-    }
-}
-
-impl Write for Zeros {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl TimedPort for Zeros {
-    fn now(&self) -> Duration {
-        self.0
-    }
-
-    fn wait(&mut self, duration: Duration) -> io::Result<()> {
-        self.0 += duration;
-        Ok(())
-    }
 }
 
 #[test]

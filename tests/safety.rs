@@ -53,7 +53,10 @@ fn an_emergency_stop_cuts_the_drive_at_once() {
     let (result, ended) = drive_and(|client| {
         client.emergency_stop();
     });
-    assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
+    assert!(
+        matches!(result, Err(MissionError::Fault { fault: Fault::EmergencyStop, .. })),
+        "{result:?}"
+    );
     // One poll to send it, a tick to obey, 20 ms until telemetry says so.
     assert!(ended <= Duration::from_millis(2040), "{ended:?}");
 }
@@ -65,7 +68,10 @@ fn an_emergency_stop_is_said_until_it_is_heard() {
             client.port_mut().wires()[0].script(vec![FrameFault::Lost; lost]);
             client.emergency_stop();
         });
-        assert!(matches!(result, Err(MissionError::Fault(Fault::EmergencyStop))), "{result:?}");
+        assert!(
+            matches!(result, Err(MissionError::Fault { fault: Fault::EmergencyStop, .. })),
+            "{result:?}"
+        );
         // As above, and 20 ms for each that was lost.
         assert!(ended <= Duration::from_millis(2040 + 20 * lost as u64), "{lost} {ended:?}");
     }
@@ -77,7 +83,7 @@ fn a_blocked_wheel_is_a_fault_with_its_reason() {
         let faults = Faults { blocked: [true, false], ..Faults::default() };
         client.port_mut().base_mut().set_faults(faults);
     });
-    assert!(matches!(result, Err(MissionError::Fault(Fault::Stall))), "{result:?}");
+    assert!(matches!(result, Err(MissionError::Fault { fault: Fault::Stall, .. })), "{result:?}");
     assert!(ended <= Duration::from_millis(2330), "{ended:?}");
 }
 
@@ -98,7 +104,11 @@ fn wheels_that_spin_before_a_camera_make_no_progress() {
         }
         assert!(now < Duration::from_millis(3300), "still driving");
     });
-    assert!(matches!(result, Err(MissionError::Fault(Fault::NoProgress))), "{:?}", result.err());
+    assert!(
+        matches!(result, Err(MissionError::Fault { fault: Fault::NoProgress, .. })),
+        "{:?}",
+        result.err()
+    );
 }
 
 /// Sends the robot its true pose of this moment.

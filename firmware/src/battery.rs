@@ -26,6 +26,11 @@ impl Battery {
         self.level
     }
 
+    /// The filtered voltage, where it is measured.
+    pub(crate) fn volts(&self) -> Option<f32> {
+        self.filtered
+    }
+
     /// The level and the voltage, where something is to be said of them.
     pub(crate) fn report(&self) -> Option<BatteryReport> {
         let (level, volts) = (self.level, self.filtered?);

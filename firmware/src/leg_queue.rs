@@ -12,7 +12,8 @@
 
 use heapless::{Deque, Vec};
 use protocol::message::{Driven, MAX_LEGS, Placement, PlanHeader, PlanRefusal, plan_digest};
-use protocol::motion::{Leg, Limits};
+use protocol::motion::{Leg, Limits, Position};
+use protocol::units::Metres;
 
 /// Legs announced, legs collected, legs to drive.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,8 @@ pub(crate) struct LegQueue {
     waiting: Deque<Leg, MAX_LEGS>,
     end: u16,
     done: u16,
+    /// Where the last leg that was begun ends.
+    goal: Position,
 }
 
 impl LegQueue {
@@ -35,13 +38,17 @@ impl LegQueue {
     }
 
     /// Collects a leg. One of another plan or out of order makes the batch incomplete; one that cannot
-    /// be driven within `limits` makes it refused.
+    /// be driven within `limits`, or begins elsewhere than the one before it ends, makes it refused.
     pub(crate) fn collect(&mut self, leg: Leg, limits: &Limits) {
+        let before = self.collected.last().map(|before| before.goal);
         if self.collected.push(leg).is_err() {
             self.overflow = true;
         } else if self.refusal.is_none() {
-            let refuse = |refusal| PlanRefusal::Leg { index: leg.index, refusal };
-            self.refusal = leg.check(limits).err().map(refuse);
+            let index = leg.index;
+            let undrivable =
+                leg.check(limits).map_err(|refusal| PlanRefusal::Leg { index, refusal });
+            let joins = before.map_or(Ok(()), |end| leg.follows(end)).map_err(apart(index));
+            self.refusal = undrivable.and(joins).err();
         }
     }
 
@@ -80,13 +87,16 @@ impl LegQueue {
         if let Some(refusal) = self.refusal {
             return Err(refusal);
         }
+        self.check_first(&header, kept)?;
         self.take_over(&header, kept, end);
         Ok(header)
     }
 
     /// The next leg to drive, once each.
     pub(crate) fn next_leg(&mut self) -> Option<Leg> {
-        self.waiting.pop_front()
+        let leg = self.waiting.pop_front()?;
+        self.goal = leg.goal;
+        Some(leg)
     }
 
     /// Records that a leg has ended.
@@ -150,6 +160,19 @@ impl LegQueue {
         if in_order && complete { Ok(end) } else { Err(PlanRefusal::Incomplete) }
     }
 
+    /// Whether the batch begins where the robot stands, or where the legs before it end.
+    fn check_first(&self, header: &PlanHeader, kept: usize) -> Result<(), PlanRefusal> {
+        let Some(first) = self.collected.first() else { return Ok(()) };
+        let joins = match header.placement {
+            Placement::Start(pose) => first.passes(Position { x: pose.x, y: pose.y }),
+            Placement::Append | Placement::Replace => {
+                let before = kept.checked_sub(1).and_then(|last| self.waiting.iter().nth(last));
+                first.follows(before.map_or(self.goal, |leg| leg.goal))
+            }
+        };
+        joins.map_err(apart(first.index))
+    }
+
     fn take_over(&mut self, header: &PlanHeader, kept: usize, end: u16) {
         while self.waiting.len() > kept {
             self.waiting.pop_back();
@@ -167,6 +190,10 @@ impl LegQueue {
     }
 }
 
+fn apart(index: u16) -> impl Fn(Metres) -> PlanRefusal {
+    move |gap| PlanRefusal::Apart { index, gap: gap.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,8 +205,8 @@ mod tests {
         Leg {
             plan: 9,
             index,
-            start: Pose::default(),
-            goal: Position::new(1.0, 0.0),
+            start: Pose::new(index.into(), 0.0, 0.0),
+            goal: Position::new(f32::from(index) + 1.0, 0.0),
             goal_heading: None,
             direction: Direction::Forward,
             timing: Timing::Limits,
@@ -216,7 +243,7 @@ mod tests {
         assert_eq!(collect(&two[..1], &two), Err(PlanRefusal::Incomplete));
         assert_eq!(collect(&[leg(1), leg(0)], &two), Err(PlanRefusal::Incomplete));
         let mut other = two;
-        other[1].goal = Position::new(1.0, 0.1);
+        other[1].goal = Position::new(2.0, 0.1);
         assert_eq!(collect(&other, &two), Err(PlanRefusal::Incomplete));
         assert_eq!(collect(&[], &[]), Err(PlanRefusal::Empty));
     }
@@ -258,6 +285,26 @@ mod tests {
         queue.cancel(9);
         assert_eq!(queue.driven(), Some(Driven { plan: 9, next: 0, end: 1 }));
         assert_eq!(indices(queue), []);
+    }
+
+    #[test]
+    fn legs_that_do_not_join_are_refused() {
+        let apart = |index, gap| Err(PlanRefusal::Apart { index, gap });
+        let mut far = leg(1);
+        far.start = Pose::new(1.0, 0.5, 0.0);
+        let batch = [leg(0), far];
+        let mut queue = LegQueue::default();
+        assert_eq!(commit(&mut queue, START, &batch, &batch), apart(1, 0.5));
+        let elsewhere = Placement::Start(Pose::new(0.5, 2.0, 0.0));
+        assert_eq!(commit(&mut queue, elsewhere, &[leg(0)], &[leg(0)]), apart(0, 2.0));
+        // Resumed in the middle of a leg.
+        let within = Placement::Start(Pose::new(0.5, 0.1, 0.0));
+        commit(&mut queue, within, &[leg(0)], &[leg(0)]).unwrap();
+        assert_eq!(commit(&mut queue, Placement::Append, &[far], &[far]), apart(1, 0.5));
+        // The same once the leg before it is under way.
+        queue.next_leg();
+        assert_eq!(commit(&mut queue, Placement::Append, &[far], &[far]), apart(1, 0.5));
+        commit(&mut queue, Placement::Append, &[leg(1)], &[leg(1)]).unwrap();
     }
 
     #[test]

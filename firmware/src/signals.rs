@@ -9,6 +9,9 @@ use protocol::motion::Pose;
 pub struct Sensors {
     /// The encoders' counts since the start, left and right; they may wrap around.
     pub counts: [i32; 2],
+    /// Whether both channels of the left and the right input changed at once since the last tick, so that a
+    /// count was lost.
+    pub skipped: [bool; 2],
     /// The battery's voltage, if the board measures it, volts.
     pub battery: Option<f32>,
     /// Control periods that passed without a tick since the last one.
@@ -60,6 +63,8 @@ pub struct Boot {
 pub struct Actuation {
     /// The motors' duty, left and right, -1..=1; positive drives forward.
     pub duty: [f32; 2],
+    /// The light on the board is on.
+    pub light: bool,
     /// Restart now; only requested at rest.
     pub reboot: Option<Reboot>,
     /// Do this to the flash with [`Robot::parameter_record`](crate::robot::Robot::parameter_record), and then call

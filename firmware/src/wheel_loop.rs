@@ -14,6 +14,7 @@
 //! | ω0 | no-load speed at full duty | rad/s |
 //! | τ | time constant of the motor | s |
 
+use crate::effort::Effort;
 use protocol::message::Fault;
 use protocol::motion::TICK;
 use protocol::parameters::Parameters;
@@ -35,10 +36,10 @@ const STANDING_SHARE: f32 = 0.2;
 
 /// A wheel that stands for this long is stalled, ticks; with the 20 ms of the speed measurement and
 /// a tick of delay the drive is cut 225 ms after the wheel stopped.
-const STALLED_TICKS: u32 = 40;
+const STALLED_TICKS: u8 = 40;
 
 /// A wheel that lags as far as it may for this long is stalled, even if it creeps, ticks.
-const LAGGING_TICKS: u32 = 20;
+const LAGGING_TICKS: u8 = 20;
 
 /// A wheel that runs backwards faster than this, although driven forwards, has its encoder wired
 /// backwards, rad/s; more than any recoil.
@@ -46,7 +47,7 @@ const BACKWARD_SPEED: f32 = 1.0;
 /// Below this duty the wheel may be rolling against its drive.
 const DRIVING_DUTY: f32 = 0.15;
 /// For how long it must, ticks.
-const BACKWARD_TICKS: u32 = 20;
+const BACKWARD_TICKS: u8 = 20;
 
 /// No motor turns a wheel by more than this many times its no-load speed, downhill included.
 const LARGEST_OVERSPEED: f32 = 2.0;
@@ -97,10 +98,11 @@ pub(crate) struct WheelLoop {
     recent: [i32; SPEED_TICKS],
     lag: f32,
     wanted: f32,
-    lagging_ticks: u32,
-    standing_ticks: u32,
-    backward_ticks: u32,
+    lagging_ticks: u8,
+    standing_ticks: u8,
+    backward_ticks: u8,
     leapt: bool,
+    effort: Effort,
 }
 
 impl WheelLoop {
@@ -115,6 +117,7 @@ impl WheelLoop {
             standing_ticks: 0,
             backward_ticks: 0,
             leapt: false,
+            effort: Effort::default(),
         }
     }
 
@@ -157,17 +160,23 @@ impl WheelLoop {
         let speed = self.speed(model);
         let correction = model.velocity_gain * (wanted - speed) + model.angle_gain * lag;
         let duty = (feed_forward + correction).clamp(-1.0, 1.0);
-        self.watch(speed, duty);
+        self.watch(speed, duty, feed_forward);
         duty
     }
 
-    fn watch(&mut self, speed: f32, duty: f32) {
+    /// What it takes to turn it, against what its motor's model asks for.
+    pub(crate) fn effort(&mut self) -> &mut Effort {
+        &mut self.effort
+    }
+
+    fn watch(&mut self, speed: f32, duty: f32, feed_forward: f32) {
         let along = |value: f32| if self.wanted.is_sign_negative() { -value } else { value };
         let (ahead, drive, wanted) = (along(speed), along(duty), self.wanted.abs());
         let stands = wanted > SLOWEST_WATCHED && ahead < STANDING_SHARE * wanted;
         self.standing_ticks = counted(stands, self.standing_ticks);
         let backward = ahead < -BACKWARD_SPEED && drive > DRIVING_DUTY;
         self.backward_ticks = counted(backward, self.backward_ticks);
+        self.effort.update(wanted, ahead, drive, along(feed_forward));
     }
 }
 
@@ -178,7 +187,7 @@ impl WheelModel {
 }
 
 /// How many ticks on end something has been so.
-fn counted(so: bool, ticks: u32) -> u32 {
+fn counted(so: bool, ticks: u8) -> u8 {
     if so { ticks.saturating_add(1) } else { 0 }
 }
 

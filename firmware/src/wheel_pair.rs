@@ -6,10 +6,11 @@
 //! ```
 //! Wheels are in the order left, right.
 
+use crate::effort::misfit;
 use crate::kinematics::BaseGeometry;
 use crate::speed_limiter::WheelCommand;
 use crate::wheel_loop::{WheelLoop, WheelModel};
-use protocol::message::Fault;
+use protocol::message::{Fault, Wheel};
 use protocol::motion::{Limits, Twist, WheelSpeeds};
 use protocol::parameters::Parameters;
 use protocol::units::RadiansPerSecond;
@@ -80,8 +81,12 @@ impl WheelPair {
         ]
     }
 
-    /// What is wrong with a wheel, if anything.
-    pub(crate) fn fault(&self) -> Option<Fault> {
-        self.loops.iter().find_map(WheelLoop::fault)
+    /// What is wrong with a wheel, if anything, and with which.
+    pub(crate) fn fault(&mut self) -> Option<(Fault, Wheel)> {
+        let mut wheels = self.loops.iter().zip([Wheel::Left, Wheel::Right]);
+        let fault = wheels.find_map(|(wheel, name)| Some((wheel.fault()?, name)));
+        let [left, right] = &mut self.loops;
+        let misfit = misfit([left.effort(), right.effort()]);
+        fault.or(misfit.map(|wheel| (Fault::Encoder, wheel)))
     }
 }

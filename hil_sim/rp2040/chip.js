@@ -13,6 +13,7 @@ import { XipControl, callRom, installRom } from './xip_rom.js';
 const NANOS_PER_CYCLE = 8;
 const VECTOR_TABLE = 0x10000100;
 const RAM = 0x20000000;
+const TIMER = 0x40054;
 const IRQ_PIO0 = 7;
 const IRQ_PIO1 = 9;
 const IRQ_UART0 = 20;
@@ -101,6 +102,11 @@ export class Chip {
   enterBootLoader() {
     this.bootLoaderAsked = true;
     this.resetAsked = true;
+  }
+
+  /** From now on no alarm of the timer fires; its time goes on. */
+  loseAlarms() {
+    this.rp2040.peripherals[TIMER].fireAlarm = () => {};
   }
 
   /** Makes the processor take a hard fault. */

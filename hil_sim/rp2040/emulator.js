@@ -20,8 +20,8 @@ import { BATTERY_CHANNEL, BATTERY_FULL_SCALE } from './wiring.js';
 const FLASH_BYTES = 16 * 1024 * 1024;
 const ADC_RANGE = 4096;
 
-const Request = { STEP: 1, POWER_CYCLE: 2, FAULT: 3, STACK: 4, USB_LINE: 5 };
-const Fault = { NONE: 0, FREEZE: 1, FREEZE_THREAD: 2, PANIC: 3, HARD_FAULT: 4 };
+const Request = { STEP: 1, POWER_CYCLE: 2, FAULT: 3, STACK: 4, USB_LINE: 5, USB_UNPLUG: 6 };
+const Fault = { NONE: 0, FREEZE: 1, FREEZE_THREAD: 2, PANIC: 3, HARD_FAULT: 4, LOST_ALARMS: 5 };
 const Flag = { DRIVER_ENABLED: 1, BOOT_LOADER: 2 };
 const OK = 0;
 const FAILED = 1;
@@ -108,6 +108,9 @@ class Emulator {
       case Fault.HARD_FAULT:
         this.chip.hardFault();
         return;
+      case Fault.LOST_ALARMS:
+        this.chip.loseAlarms();
+        return;
     }
     throw new Error(`unknown fault ${kind}`);
   }
@@ -131,6 +134,9 @@ class Emulator {
         return Buffer.alloc(0);
       case Request.USB_LINE:
         this.usb.setLine(request.i32(), request.u8() !== 0);
+        return Buffer.alloc(0);
+      case Request.USB_UNPLUG:
+        this.usb.unplug();
         return Buffer.alloc(0);
       case Request.STACK:
         return u32(this.chip.stackHighWater(this.elf.staticEnd));

@@ -79,6 +79,15 @@ export class UsbHost {
     }
   }
 
+  /** Pulls the cable: nobody asks for data any more, and the chip, on its own battery, is not told. */
+  unplug() {
+    this.plugged = false;
+    this.transfers = [];
+    this.current = null;
+    this.bulkIn = this.bulkOut = null;
+    this.waiting = [];
+  }
+
   enumerate() {
     const { baud, open } = this.line;
     this.transfers = [];

@@ -13,6 +13,7 @@
 //! | fault | 3, which one (u8) |
 //! | stack | 4 |
 //! | USB line | 5, baud (u32), open (u8) |
+//! | USB cable pulled | 6 |
 //!
 //! An answer is 0 and its content, or 1 and a text that says what went wrong. The answer to a step is the
 //! mean duty (2 × f64), resets so far (u32), flags (u8), the number of ticks (u32) with start in ns (f64)
@@ -40,6 +41,7 @@ const POWER_CYCLE: u8 = 2;
 const FAULT: u8 = 3;
 const STACK: u8 = 4;
 const USB_LINE: u8 = 5;
+const USB_UNPLUG: u8 = 6;
 
 const FLAG_DRIVER_ENABLED: u8 = 1;
 const FLAG_BOOT_LOADER: u8 = 2;
@@ -131,6 +133,8 @@ pub enum Fault {
     Panic = 3,
     /// The processor takes a hard fault.
     HardFault = 4,
+    /// No alarm of the timer fires from now on, as if its interrupt were lost; time goes on.
+    LostAlarms = 5,
 }
 
 /// A Pico that runs an ELF file, in a process of its own.
@@ -215,6 +219,15 @@ impl EmulatedPico {
     pub fn set_usb_line(&mut self, baud: u32, open: bool) -> Result<(), EmulatorError> {
         let [a, b, c, d] = baud.to_le_bytes();
         self.ask(&[USB_LINE, a, b, c, d, open.into()]).map(drop)
+    }
+
+    /// Pulls the USB cable; the board goes on with its own battery.
+    ///
+    /// # Errors
+    /// If the emulator fails or has ended.
+    pub fn unplug_usb(&mut self) -> Result<(), EmulatorError> {
+        self.usb_in.clear();
+        self.ask(&[USB_UNPLUG]).map(drop)
     }
 
     /// Sends bytes to the USB serial port, from the next step on.

@@ -317,3 +317,45 @@ fn a_robot_is_checked_by_whoever_looks_at_it() {
     assert_eq!(early.status.code(), Some(2), "{early:?}");
     sim.end();
 }
+
+#[test]
+fn a_robot_is_watched_through_a_pseudo_terminal_until_ctrl_c() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("robot");
+    let link = link.to_str().unwrap();
+    let (sim, _) = Sim::start(&["--pty", link]);
+    let lines = |output: &Output| -> Vec<Value> {
+        let text = String::from_utf8(output.stdout.clone()).unwrap();
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let watched = wmr(&["monitor", "--port", link, "--json", "--for", "500ms"]).output().unwrap();
+    assert_eq!(watched.status.code(), Some(0), "{watched:?}");
+    let seen = lines(&watched);
+    assert!((1..=6).contains(&seen.len()), "ten a second: {seen:?}");
+    assert_eq!(seen[0]["counts"], serde_json::json!([0, 0]));
+    assert_eq!((&seen[0]["state"], &seen[0]["skipped"][1]), (&"idle".into(), &0.into()));
+
+    // Somebody turns the left wheel by hand: here, the check does.
+    let mut check = wmr(&["check", "base", "--port", link, "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    check.stdin.take().unwrap().write_all(b"\nlf\n\nrf\n\n").unwrap();
+    assert!(check.wait().unwrap().success());
+    let mut watch =
+        wmr(&["monitor", "--port", link, "--json"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut stdout = BufReader::new(watch.stdout.take().unwrap());
+    let mut line = String::new();
+    stdout.read_line(&mut line).unwrap();
+    let counts = serde_json::from_str::<Value>(&line).unwrap()["counts"].clone();
+    // Two quarter turns of 360 counts each, and what the motor coasts.
+    assert!(counts[0].as_i64().unwrap() >= 720, "{counts}");
+    interrupt(&watch);
+    assert_eq!(watch.wait().unwrap().code(), Some(0));
+    let text = wmr(&["monitor", "--port", link, "--for", "1s"]).output().unwrap();
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.starts_with("idle") && text.contains("battery"), "{text}");
+    sim.end();
+}

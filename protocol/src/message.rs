@@ -91,6 +91,8 @@ pub enum Command {
         /// Which.
         wheel: Wheel,
     },
+    /// Asks what the robot measures; answered by [`Report::Measured`], to any link.
+    Measure,
 }
 
 /// One of the two wheels.
@@ -100,6 +102,18 @@ pub enum Wheel {
     Left,
     /// On the right.
     Right,
+}
+
+/// What the robot measures, besides what [`Telemetry`] says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// What the encoders of the left and the right wheel have counted since the start; may wrap around.
+    pub counts: [i32; 2],
+    /// In how many control ticks both channels of the left and of the right input changed at once, so that
+    /// a count was lost; may wrap around.
+    pub skipped: [u16; 2],
+    /// The battery's filtered voltage, volts; `None` where it is not measured.
+    pub battery: Option<f32>,
 }
 
 /// Which robot it is, and what it knows of itself.
@@ -187,6 +201,8 @@ pub enum Report {
         state: State,
         /// Where the robot believes it stands.
         pose: Pose,
+        /// The wheel that a fault is about, if it is about one.
+        wheel: Option<Wheel>,
     },
     /// A camera's pose is of no use; the robot's own estimate stays.
     PoseRefused {
@@ -213,6 +229,8 @@ pub enum Report {
         /// By how many counts each encoder has gone on meanwhile, left and right.
         counts: [i32; 2],
     },
+    /// What the robot measures.
+    Measured(Measurement),
 }
 
 /// Why a camera's pose is not taken.
@@ -350,7 +368,7 @@ pub enum Fault {
     Stall,
     /// The wheels turn, but the robot does not get on.
     NoProgress,
-    /// An encoder says what the motor cannot have done.
+    /// An encoder says what its motor cannot have done.
     Encoder,
     /// The battery is empty.
     Battery,
@@ -366,7 +384,7 @@ impl Fault {
         match self {
             Self::Stall => "a wheel is driven and does not turn",
             Self::NoProgress => "the wheels turn, but the robot does not get on",
-            Self::Encoder => "an encoder says what the motor cannot have done; check its wires",
+            Self::Encoder => "an encoder counts what its motor cannot have done",
             Self::Battery => "the battery is empty",
             Self::TickOverrun => "the control loop was late",
             Self::EmergencyStop => "the host asked for an emergency stop",

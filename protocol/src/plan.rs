@@ -81,6 +81,14 @@ pub enum PlanRefusal {
         /// The index after the last leg that the robot has.
         end: u16,
     },
+    /// A leg begins beside the end of the one before, or beside the start: further than
+    /// [`LARGEST_GAP`](crate::motion::LARGEST_GAP).
+    Apart {
+        /// Its place in the plan.
+        index: u16,
+        /// How far, metres.
+        gap: f32,
+    },
     /// One leg cannot be driven.
     Leg {
         /// Its place in the plan.

@@ -200,6 +200,7 @@ fn commands() -> Vec<Row<Command>> {
         (true, Command::SaveParameters, Command::SaveParameters),
         (true, Command::Identify, Command::Identify),
         (true, turn, turn),
+        (true, Command::Measure, Command::Measure),
     ]
 }
 
@@ -233,7 +234,8 @@ fn reports() -> Vec<Row<Report>> {
     };
     let done = |plan, end| Report::PlanDone { plan, end, pose: POSE };
     let result = |plan, index, ticks| Report::LegDone(LegResult { plan, index, ticks, pose: POSE });
-    let stopped = |plan, next, state| Report::PlanStopped { plan, next, state, pose: POSE };
+    let stopped =
+        |plan, next, state| Report::PlanStopped { plan, next, state, pose: POSE, wheel: None };
     let too_short = Refusal::TooShort(Infeasible { shortest: Seconds(1.0) });
     let refused = PlanRefusal::Leg { index: u16::MAX, refusal: too_short };
     let [heard, heards] = [1, u8::MAX].map(|stop| Report::Heartbeat { stop });
@@ -243,6 +245,11 @@ fn reports() -> Vec<Row<Report>> {
     let out_of_range = ParameterRefusal::OutOfRange { field: 1, value: 1.0 };
     let identity = |chip| Report::Identity(Identity { chip, placed: true });
     let turned = |count| Report::WheelTurned { counts: [count; 2] };
+    let measured = Report::Measured(Measurement {
+        counts: [i32::MIN; 2],
+        skipped: [u16::MAX; 2],
+        battery: Some(7.0),
+    });
     let saved = |sequence| Report::ParametersSaved { sequence };
     vec![
         (false, hello(1, 1, None), hello(LONG, u16::MAX, Some(driven))),
@@ -267,7 +274,13 @@ fn reports() -> Vec<Row<Report>> {
         (
             true,
             stopped(1, 1, State::Stopped),
-            stopped(LONG, u16::MAX, State::Faulted(Fault::Stall)),
+            Report::PlanStopped {
+                plan: LONG,
+                next: u16::MAX,
+                state: State::Faulted(Fault::Stall),
+                pose: POSE,
+                wheel: Some(Wheel::Right),
+            },
         ),
         (true, unseen(1), unseen(LONG)),
         (true, battery, battery),
@@ -276,5 +289,6 @@ fn reports() -> Vec<Row<Report>> {
         (true, saved(1), saved(LONG)),
         (true, identity(1), identity(u64::MAX)),
         (true, turned(1), turned(i32::MIN)),
+        (true, Report::Measured(Measurement::default()), measured),
     ]
 }

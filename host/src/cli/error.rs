@@ -1,6 +1,7 @@
 //! What the command line says when something fails: what, why, and what to type next.
 
 use hil_sim::emulator::EmulatorError;
+use protocol::message::Fault;
 use serde_json::json;
 use std::fmt::Display;
 use wmr::calibration::CalibrationError;
@@ -242,7 +243,13 @@ impl From<MissionError> for CliError {
                 error,
                 "nothing has moved; change the plan and drive again",
             ),
-            MissionError::Fault(_) => Self::new(
+            MissionError::Fault { fault: Fault::Encoder, .. } => Self::new(
+                Exit::Robot,
+                "robot.fault",
+                error,
+                "put it on a block and run wmr check base, which finds wires that are crossed or reversed; see that counts-per-turn is right in wmr params, and watch the counts in wmr monitor",
+            ),
+            MissionError::Fault { .. } => Self::new(
                 Exit::Robot,
                 "robot.fault",
                 error,

@@ -19,6 +19,7 @@ mod export;
 mod folder;
 pub(crate) mod input;
 pub(crate) mod mission;
+mod monitor;
 pub(crate) mod output;
 mod params;
 mod plan;
@@ -76,6 +77,7 @@ fn run_command() -> ExitCode {
         Command::Calibrate(CalibrateCommand::Base(args)) => calibrate::base(args, output),
         Command::Calibrate(CalibrateCommand::Camera(args)) => calibrate_camera::run(args, output),
         Command::Check(CheckCommand::Base(args)) => check::base(args, output),
+        Command::Monitor(args) => monitor::monitor(args, output),
         Command::Stop(args) => ports::stop(args, output),
     };
     match result {

@@ -28,10 +28,7 @@ impl Output {
         text: &str,
     ) -> Result<(), CliError> {
         let line = if self.json { to_json(document) } else { text.trim_end().to_owned() };
-        print_line(&line).map_err(|error| {
-            let message = format!("cannot write to standard output: {error}");
-            CliError::new(Exit::File, "output", message, "make room, or write to another place")
-        })
+        print_line(&line).map_err(|error| unwritable(&error))
     }
 
     /// Says something to the person at the terminal.
@@ -45,6 +42,25 @@ impl Output {
     /// Asks the person at the terminal, who must answer even if there is to be no talk.
     pub(crate) fn ask(self, text: &str) {
         let _ = write!(io::stderr(), "{text} ");
+    }
+
+    /// Prints one line of many on standard output; false once nobody reads them any more.
+    ///
+    /// # Errors
+    /// As for [`result`](Self::result).
+    pub(crate) fn line(self, text: &str) -> Result<bool, CliError> {
+        HAS_DOCUMENT.store(true, Ordering::Relaxed);
+        let mut out = io::stdout().lock();
+        match writeln!(out, "{text}").and_then(|()| out.flush()) {
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+            Err(error) => Err(unwritable(&error)),
+        }
+    }
+
+    /// A line on standard output that is kept up to date, if somebody sees it.
+    pub(crate) fn live_line(self) -> LiveLine {
+        LiveLine { shown: !self.json && io::stdout().is_terminal(), used: false }
     }
 
     /// Prints an error.
@@ -65,6 +81,41 @@ impl Output {
         }
         indicatif::ProgressBar::new(length)
     }
+}
+
+/// A line of the terminal that is written over again and again.
+#[derive(Debug)]
+pub(crate) struct LiveLine {
+    shown: bool,
+    used: bool,
+}
+
+impl LiveLine {
+    /// Whether standard output is a terminal.
+    pub(crate) fn is_shown(&self) -> bool {
+        self.shown
+    }
+
+    /// Writes over what was there.
+    pub(crate) fn show(&mut self, text: &str) {
+        self.used = true;
+        let mut out = io::stdout().lock();
+        // Where the terminal is gone, nobody misses the line.
+        let _ = write!(out, "\r{text}\x1b[K").and_then(|()| out.flush());
+    }
+}
+
+impl Drop for LiveLine {
+    fn drop(&mut self) {
+        if self.used {
+            let _ = writeln!(io::stdout());
+        }
+    }
+}
+
+fn unwritable(error: &io::Error) -> CliError {
+    let message = format!("cannot write to standard output: {error}");
+    CliError::new(Exit::File, "output", message, "make room, or write to another place")
 }
 
 fn to_json(document: &impl serde::Serialize) -> String {

@@ -95,7 +95,7 @@ pub(crate) fn keep(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), Cli
 fn parameters_of(answer: Answer) -> Result<Parameters, CliError> {
     match answer {
         Answer::Parameters(parameters) => Ok(parameters),
-        Answer::Kept | Answer::Identity(_) | Answer::Turned(_) => {
+        Answer::Kept | Answer::Identity(_) | Answer::Turned(_) | Answer::Measured(_) => {
             Err(CliError::new(Exit::Bug, "bug", "an answer to no question", "report it"))
         }
     }

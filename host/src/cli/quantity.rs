@@ -2,6 +2,7 @@
 
 use hil_sim::presets::Preset;
 use hil_sim::scenario::Moment;
+use std::time::Duration;
 use wmr::geometry::{Arena, Point};
 use wmr::scene::Goal;
 use wmr::shape::Circle;
@@ -11,6 +12,7 @@ type Unit = (&'static str, fn(f64) -> f64);
 
 const LENGTHS: [Unit; 3] = [("mm", |mm| mm / 1000.0), ("cm", |cm| cm / 100.0), ("m", |m| m)];
 const ANGLES: [Unit; 2] = [("deg", f64::to_radians), ("rad", |rad| rad)];
+const SPANS: [Unit; 3] = [("ms", |ms| ms / 1000.0), ("min", |min| min * 60.0), ("s", |s| s)];
 const SECONDS: [Unit; 1] = [("s", |s| s)];
 
 /// A length in metres from `0.3`, `0.3m`, `30cm` or `300mm`.
@@ -65,6 +67,14 @@ pub(crate) fn leg_time(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| {
         format!("{text:?} is no time for a leg; write seconds above 0 and up to {LONGEST_LEG}")
     })
+}
+
+/// A time to wait, from `10`, `10s`, `500ms` or `2min`: above 0, up to a day.
+pub(crate) fn span(text: &str) -> Result<Duration, String> {
+    let value = scaled(text, &SPANS, SPANS[2].1).filter(|value| *value > 0.0 && *value <= 86_400.0);
+    value
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("{text:?} is no duration; write 10s, 500ms or 2min, up to a day"))
 }
 
 /// The side of a square to calibrate in, metres: 0.3 to 5. On longer ones a robot that is far out of

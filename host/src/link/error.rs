@@ -1,6 +1,6 @@
 //! Why a link cannot be used, and why a mission did not reach its goal: what happened, with its values.
 
-use protocol::message::{Fault, PauseReason, PlanRefusal, ResetCause, State};
+use protocol::message::{Fault, PauseReason, PlanRefusal, ResetCause, State, Wheel};
 use protocol::motion::{Infeasible, Pose, Refusal};
 use std::io;
 use std::time::Duration;
@@ -69,8 +69,13 @@ pub enum MissionError {
     #[error("the robot refused the plan: {}", describe(.0))]
     Refused(PlanRefusal),
     /// The robot stopped by itself.
-    #[error("the robot stopped by itself: {}", .0.explanation())]
-    Fault(Fault),
+    #[error("the robot stopped by itself: {}{}", .fault.explanation(), of_wheel(*wheel))]
+    Fault {
+        /// Why.
+        fault: Fault,
+        /// The wheel that the fault is about, if the robot named one.
+        wheel: Option<Wheel>,
+    },
     /// The robot stopped, or refuses to begin, because its battery is empty.
     #[error("the battery is empty{}", volts.map_or(String::new(), |volts| format!(" ({volts:.1} V)")))]
     BatteryEmpty {
@@ -189,6 +194,14 @@ pub enum Unfit {
     },
 }
 
+fn of_wheel(wheel: Option<Wheel>) -> &'static str {
+    match wheel {
+        Some(Wheel::Left) => " (the left wheel)",
+        Some(Wheel::Right) => " (the right wheel)",
+        None => "",
+    }
+}
+
 fn describe_state(state: &State) -> &'static str {
     match state {
         State::Idle => "is idle",
@@ -213,6 +226,12 @@ fn describe(refusal: &PlanRefusal) -> String {
         PlanRefusal::OtherPlan => "it has another plan, or none".into(),
         PlanRefusal::OutOfPlace { begun, end } => {
             format!("it has legs up to {end}, and those before {} have begun", begun + 1)
+        }
+        PlanRefusal::Apart { index, gap } => {
+            format!(
+                "leg {} begins {gap:.2} m beside the place where the robot is by then",
+                index + 1
+            )
         }
         PlanRefusal::Leg { index, refusal } => {
             format!("leg {}: {}", index + 1, describe_leg(refusal))

@@ -15,9 +15,10 @@ use super::watch::{Awaited, Watch, braking_ticks};
 use super::{Impossible, LinkClient, check_robot};
 use protocol::message::{
     BatteryLevel, BatteryReport, Command, Driven, Fault, LegResult, PauseReason, Placement,
-    PlanHeader, PlanRefusal, Report, RobotHello, State, Telemetry, plan_digest,
+    PlanHeader, PlanRefusal, Report, RobotHello, State, Telemetry, Wheel, plan_digest,
 };
 use protocol::motion::{Leg, Limits, Pose};
+use protocol::units::Metres;
 use std::collections::VecDeque;
 use std::io::{Read, Write};
 use std::time::Duration;
@@ -207,19 +208,19 @@ impl Mission {
         let flags = (busy, client.pause_wanted());
         self.watch.observe(awaited, client.telemetry(), client.heard(), flags).map_err(|error| {
             match error {
-                MissionError::Fault(fault) => self.fault(fault),
+                MissionError::Fault { fault, wheel } => self.fault(fault, wheel),
                 error => error,
             }
         })
     }
 
     /// A fault, with the voltage if it is the battery's.
-    fn fault(&self, fault: Fault) -> MissionError {
+    fn fault(&self, fault: Fault, wheel: Option<Wheel>) -> MissionError {
         match fault {
             Fault::Battery => {
                 MissionError::BatteryEmpty { volts: self.battery.map(|battery| battery.volts) }
             }
-            fault => MissionError::Fault(fault),
+            fault => MissionError::Fault { fault, wheel },
         }
     }
 
@@ -349,6 +350,12 @@ impl Mission {
         if self.legs.len() > usize::from(most) {
             return Err(MissionError::TooManyLegs { legs: self.legs.len(), most });
         }
+        for pair in self.legs.windows(2) {
+            if let [before, leg] = pair {
+                let apart = |gap: Metres| PlanRefusal::Apart { index: leg.index, gap: gap.0 };
+                leg.follows(before.goal).map_err(|gap| MissionError::Refused(apart(gap)))?;
+            }
+        }
         for leg in &self.legs {
             let refused = |refusal| PlanRefusal::Leg { index: leg.index, refusal };
             leg.check(&robot.limits).map_err(|refusal| MissionError::Refused(refused(refusal)))?;
@@ -377,9 +384,12 @@ impl Mission {
     /// A robot that waits because nobody was heard hears somebody now; only what the user has paused
     /// stays so. It is asked again where it fell silent a second time unseen.
     fn go_on_after_silence<P: Read + Write>(&mut self, client: &mut LinkClient<P>) {
+        // Until it has said that it has the plan, there is nothing of this mission to go on with.
         let waits = client
             .telemetry()
-            .filter(|last| last.state == State::Paused(PauseReason::Silence))
+            .filter(|last| {
+                self.accepted.is_some() && last.state == State::Paused(PauseReason::Silence)
+            })
             .map(|last| last.ticks);
         let Some(now) = waits else {
             self.resume_asked = None;
@@ -400,7 +410,7 @@ impl Mission {
             Report::PlanRefused { reason: PlanRefusal::NotCleared, .. }
                 if self.battery.is_some_and(|battery| battery.level == BatteryLevel::Empty) =>
             {
-                Err(self.fault(Fault::Battery))
+                Err(self.fault(Fault::Battery, None))
             }
             Report::PlanRefused { reason: PlanRefusal::NotCleared, .. }
                 if self.accepted.is_none() && self.clearings < MOST_CLEARINGS =>
@@ -453,10 +463,10 @@ impl Mission {
                 }
                 Ok(None)
             }
-            Report::PlanStopped { plan, next, state, pose } if plan == self.plan => {
+            Report::PlanStopped { plan, next, state, pose, wheel } if plan == self.plan => {
                 self.progress = Progress { next, pose };
                 Err(match state {
-                    State::Faulted(fault) => self.fault(fault),
+                    State::Faulted(fault) => self.fault(fault, wheel),
                     _ => MissionError::Stopped,
                 })
             }

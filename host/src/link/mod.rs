@@ -12,6 +12,7 @@ pub mod drive;
 mod error;
 mod fitness;
 pub mod mission;
+pub mod monitor;
 pub mod parameters;
 pub mod port;
 pub mod rehearsal;

@@ -8,7 +8,7 @@
 //! refuses as a whole, and nothing has changed then.
 
 use super::{LinkClient, LinkError};
-use protocol::message::{Command, Identity, Report, Wheel};
+use protocol::message::{Command, Identity, Measurement, Report, Wheel};
 use protocol::parameters::{FIELDS, ParameterRefusal, Parameters};
 use std::io::{Read, Write};
 use std::time::Duration;
@@ -29,6 +29,8 @@ pub enum Request {
     Identify,
     /// To turn one wheel a little.
     Turn(Wheel),
+    /// What it measures.
+    Measure,
 }
 
 /// What the robot answers.
@@ -42,6 +44,8 @@ pub enum Answer {
     Identity(Identity),
     /// A wheel has turned; how far each encoder went on.
     Turned([i32; 2]),
+    /// What it measures.
+    Measured(Measurement),
 }
 
 /// Why there is no answer.
@@ -103,6 +107,7 @@ impl Exchange {
             Request::Keep => Command::SaveParameters,
             Request::Identify => Command::Identify,
             Request::Turn(wheel) => Command::TurnWheel { wheel },
+            Request::Measure => Command::Measure,
         }
     }
 
@@ -117,6 +122,9 @@ impl Exchange {
                 Some(Ok(Answer::Identity(*identity)))
             }
             (Request::Turn(_), Report::WheelTurned { counts }) => Some(Ok(Answer::Turned(*counts))),
+            (Request::Measure, Report::Measured(measurement)) => {
+                Some(Ok(Answer::Measured(*measurement)))
+            }
             (
                 Request::Read | Request::Change(_) | Request::Keep,
                 Report::ParametersRefused(refusal),
@@ -145,6 +153,12 @@ pub fn describe(refusal: &ParameterRefusal) -> String {
         ParameterRefusal::BatteryLevels => {
             "the battery's levels must fall from battery-warn over battery-derate to battery-stop"
                 .into()
+        }
+        ParameterRefusal::UnstableWheels => {
+            "the wheels would swing by themselves: lower velocity-gain or angle-gain, or see that no-load-speed and time-constant are this motor's".into()
+        }
+        ParameterRefusal::UnstableTracker => {
+            "the robot would swing about its path: lower across-gain or speed, or raise heading-gain (heading-gain > 0.6 * speed * square root of across-gain, across-gain * speed^2 <= 400)".into()
         }
         ParameterRefusal::NotAtRest => {
             "it drives, or waits on its way; stop it with wmr stop".into()

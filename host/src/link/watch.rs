@@ -18,6 +18,9 @@ use std::time::Duration;
 const REST_TICKS: u32 = 400;
 /// A pause that nobody asked for ends by a word of the host, within this long, 3 s in ticks.
 const PAUSE_TICKS: u32 = 600;
+/// All rest and pauses on one leg together may take so long, 30 s in ticks: a robot that drives a little now
+/// and then does not get on either.
+const HELD_TICKS: u32 = 6000;
 /// What is acknowledged is answered within this long, 3 s in ticks.
 const ANSWER_TICKS: u32 = 600;
 /// Beyond what braking takes, a robot comes to rest within this long, 3 s in ticks.
@@ -55,6 +58,7 @@ pub(super) struct Watch {
     resting: u32,
     paused: u32,
     driven: u32,
+    held: u32,
     window: Option<(Duration, Option<u32>)>,
 }
 
@@ -108,9 +112,15 @@ impl Watch {
         match state {
             State::Driving => self.driven += step,
             State::Paused(_) if pause_wanted => {}
-            State::Paused(_) => paused = self.paused + step,
+            State::Paused(_) => {
+                paused = self.paused + step;
+                self.held += step;
+            }
             State::Idle | State::Stopped | State::Faulted(_) if busy => resting = self.resting,
-            State::Idle | State::Stopped | State::Faulted(_) => resting = self.resting + step,
+            State::Idle | State::Stopped | State::Faulted(_) => {
+                resting = self.resting + step;
+                self.held += step;
+            }
         }
         (self.resting, self.paused) = (resting, paused);
     }
@@ -118,13 +128,16 @@ impl Watch {
     fn judge_leg(&self, state: State, leg: u16, planned: u32) -> Result<(), MissionError> {
         if self.resting > REST_TICKS {
             return Err(match state {
-                State::Faulted(fault) => MissionError::Fault(fault),
+                State::Faulted(fault) => MissionError::Fault { fault, wheel: None },
                 State::Stopped => MissionError::Stopped,
                 state => MissionError::NotDriving { state, since: duration(self.resting) },
             });
         }
         if self.paused > PAUSE_TICKS {
             return Err(MissionError::NotDriving { state, since: duration(self.paused) });
+        }
+        if self.held > HELD_TICKS {
+            return Err(MissionError::NotDriving { state, since: duration(self.held) });
         }
         let most = (planned as f32 * LATE_FACTOR) as u32 + LATE_TICKS;
         if self.driven > most {
@@ -207,7 +220,7 @@ mod tests {
         assert!(matches!(error, MissionError::NotDriving { state: State::Idle, .. }), "{error}");
         assert!(matches!(end(State::Stopped).1, MissionError::Stopped));
         let fault = end(State::Faulted(Fault::Stall)).1;
-        assert!(matches!(fault, MissionError::Fault(Fault::Stall)), "{fault}");
+        assert!(matches!(fault, MissionError::Fault { fault: Fault::Stall, .. }), "{fault}");
         let (ticks, _) = end(State::Paused(PauseReason::Silence));
         assert_eq!(ticks, PAUSE_TICKS + STEP);
     }
@@ -218,6 +231,19 @@ mod tests {
         assert!(patience(LEG, held, (false, true)).is_none(), "the user holds it");
         assert!(patience(LEG, State::Idle, (true, false)).is_none(), "legs are on their way");
         assert!(patience(Awaited::Answer, State::Idle, (true, false)).is_none());
+    }
+
+    #[test]
+    fn a_robot_that_drives_now_and_then_is_not_waited_for_for_ever() {
+        let mut watch = Watch::default();
+        let end = (0..100_000).find_map(|n| {
+            let state =
+                if n % 100 == 0 { State::Driving } else { State::Paused(PauseReason::Silence) };
+            let telemetry = said(n * STEP, state);
+            watch.observe(LEG, Some(&telemetry), duration(n * STEP), (false, false)).err()
+        });
+        let Some(MissionError::NotDriving { since, .. }) = end else { panic!("{end:?}") };
+        assert_eq!(since, duration(HELD_TICKS + STEP));
     }
 
     #[test]

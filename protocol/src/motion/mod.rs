@@ -12,9 +12,11 @@
 //! float, so that an interval ends exactly where it should; the fine step lets a pause scale time.
 
 mod interval;
+mod joint;
 mod profile;
 
 pub use interval::{Infeasible, IntervalMotion, Refusal, TurnLaw};
+pub use joint::LARGEST_GAP;
 pub use profile::Profile;
 
 use crate::trigonometry::sin_cos;

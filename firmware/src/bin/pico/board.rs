@@ -17,7 +17,7 @@
 //! | 17 | 13 | right encoder B | encoder's channel B |
 //! | 20 | 15 | tick | an oscilloscope: high while the control task works |
 //! | 31 | 26 | battery | middle of a divider, 2.2 kΩ to battery +, 1 kΩ to ground; may be left open |
-//! | – | 25 | LED | on the board: on while the firmware runs |
+//! | – | 25 | LED | on the board (not on a W board): what the robot does, see `light.rs` |
 //!
 //! A Pico and a Pico 2 have the same pins. Which way round motors and encoders are connected, and what the
 //! divider divides by, are parameters of the robot.
@@ -26,17 +26,18 @@ use embassy_rp::Peri;
 use embassy_rp::adc::{Adc, Blocking, Channel};
 use embassy_rp::gpio::{Level, Output, Pin, Pull};
 use embassy_rp::peripherals::{PIO0, UART0, USB};
-use embassy_rp::pio::Pio;
+use embassy_rp::pio::{IrqFlags, Pio};
 use embassy_rp::pwm::Pwm;
 use embassy_rp::uart::{self, BufferedInterruptHandler, BufferedUart};
 use embassy_rp::watchdog::Watchdog;
-use embassy_rp::{adc, bind_interrupts, clocks, pio, pwm, usb};
+use embassy_rp::{adc, bind_interrupts, clocks, pac, pio, pwm, usb};
 use protocol::message;
 use static_cell::StaticCell;
 use wmr_firmware::robot::Sensors;
 
 use crate::encoders::{self, Encoder};
 use crate::motors::{Direction, Motors};
+use crate::period::Period;
 use crate::store::Store;
 
 /// The chip this program was built for.
@@ -54,11 +55,22 @@ const PWM_FREQUENCY: u32 = 20_000;
 /// Bits a second of the serial link, 8N1.
 const UART_BAUD: u32 = 115_200;
 
+/// GPIO number of the serial line's input.
+const UART_RX_PIN: usize = 1;
+
 /// Volts at the pin at the top of the converter's range.
 const PIN_FULL_SCALE: f32 = 3.3;
 /// Readings of the 12-bit converter.
 const ADC_RANGE: f32 = 4096.0;
-/// Below this voltage no divider is fitted: the pin's own pull-down holds an open pin near zero.
+/// Erratum E9 makes an RP2350's pull-down a current source near 2.2 V, which would bend what a divider says.
+#[cfg(target_abi = "eabihf")]
+const BATTERY_PULL: Pull = Pull::None;
+/// Holds an open pin near zero, and bends a divider of some kΩ by about a percent.
+#[cfg(not(target_abi = "eabihf"))]
+const BATTERY_PULL: Pull = Pull::Down;
+/// Below this voltage no divider is fitted: an RP2040's own pull-down holds an open pin near zero. On an
+/// RP2350 A2 it does not (erratum E9: an open pin may drift up to 2.2 V and beyond), so there only the
+/// parameter `battery-divider` = 0 says that none is fitted.
 const BATTERY_ABSENT: f32 = 2.0;
 
 bind_interrupts!(pub(crate) struct Irqs {
@@ -69,7 +81,10 @@ bind_interrupts!(pub(crate) struct Irqs {
 
 /// What the control task senses and drives.
 pub(crate) struct Base {
+    pub(crate) period: Period,
     pub(crate) motors: Motors,
+    pub(crate) led: Output<'static>,
+    skips: IrqFlags<'static, PIO0>,
     left: Encoder<0>,
     right: Encoder<1>,
     battery: Battery,
@@ -82,7 +97,8 @@ impl Base {
     /// late.
     pub(crate) fn sense(&mut self, missed_ticks: u8, divider: f32) -> Sensors {
         let counts = [self.left.counts(), self.right.counts()];
-        Sensors { counts, battery: self.battery.volts(divider), missed_ticks }
+        let skipped = encoders::take_skips(&self.skips);
+        Sensors { counts, skipped, battery: self.battery.volts(divider), missed_ticks }
     }
 }
 
@@ -108,7 +124,6 @@ pub(crate) struct Parts {
     pub(crate) usb: usb::Driver<'static, USB>,
     pub(crate) watchdog: Watchdog,
     pub(crate) store: Store,
-    pub(crate) led: Output<'static>,
 }
 
 /// Takes the chip and sets all pins up. The motors stay off until [`Motors::drive`] is called.
@@ -130,28 +145,44 @@ pub(crate) fn take() -> Parts {
         standby: low(chip.PIN_8),
     };
 
-    let Pio { mut common, sm0, sm1, .. } = Pio::new(chip.PIO0, Irqs);
+    let Pio { mut common, irq_flags: skips, sm0, sm1, .. } = Pio::new(chip.PIO0, Irqs);
     let program = encoders::load(&mut common);
     let left = Encoder::new(&mut common, sm0, &program, chip.PIN_10, chip.PIN_11);
     let right = Encoder::new(&mut common, sm1, &program, chip.PIN_12, chip.PIN_13);
 
+    // The first samples had none before them.
+    encoders::take_skips(&skips);
+
     let battery = Battery {
         converter: Adc::new_blocking(chip.ADC, adc::Config::default()),
-        channel: Channel::new_pin(chip.PIN_26, Pull::Down),
+        channel: Channel::new_pin(chip.PIN_26, BATTERY_PULL),
     };
 
     let mut line = uart::Config::default();
     line.baudrate = UART_BAUD;
     let (tx, rx) = (UART_TX.init([0; 32]), UART_RX.init([0; 256]));
     let uart = BufferedUart::new(chip.UART0, chip.PIN_0, chip.PIN_1, Irqs, tx, rx, line);
+    // The driver leaves the input floating; with no adapter on it the motors' wires would make it chatter.
+    pac::PADS_BANK0.gpio(UART_RX_PIN).modify(|pad| {
+        pad.set_pue(true);
+        pad.set_pde(false);
+    });
 
     Parts {
-        base: Base { motors, left, right, battery, tick: low(chip.PIN_15) },
+        base: Base {
+            period: Period::start(chip.PWM_SLICE7),
+            motors,
+            led: low(chip.PIN_25),
+            skips,
+            left,
+            right,
+            battery,
+            tick: low(chip.PIN_15),
+        },
         uart,
         usb: usb::Driver::new(chip.USB, Irqs),
         watchdog: Watchdog::new(chip.WATCHDOG),
         store: Store::new(chip.FLASH),
-        led: low(chip.PIN_25),
     }
 }
 

@@ -5,10 +5,11 @@ use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::rom_data::reset_to_usb_boot;
 use embassy_rp::watchdog::Watchdog;
-use embassy_time::{Duration, Instant, Timer};
+use embassy_time::{Duration, Instant};
 use protocol::message::{Reboot, ResetCause};
 use protocol::motion::TICK_MILLISECONDS;
 use protocol::parameters::Parameters;
+use static_cell::StaticCell;
 use wmr_firmware::parameter_store::{Slot, Step};
 use wmr_firmware::robot::{Boot, Port, Robot};
 
@@ -56,13 +57,11 @@ async fn main(threads: Spawner) {
     ) {
         interrupts.spawn(control);
         threads.spawn(link);
-        parts.led.set_high();
     }
-    // The light stays on for as long as this task lives.
     core::future::pending::<()>().await;
 }
 
-/// Owns the robot, which is made here: several kilobytes that would otherwise lie on the stack too.
+/// Owns the robot.
 #[embassy_executor::task]
 async fn control(
     mut base: Base,
@@ -72,22 +71,22 @@ async fn control(
     mut watchdog: Watchdog,
 ) {
     // What the task is given lies on the stack while it is spawned, so it is given little.
-    let boot = Boot { nonce, board: BOARD, reset, chip: store.chip() };
-    let mut robot = Robot::new(Parameters::default(), boot);
-    restore(&mut robot, &mut store);
-    let mut due = Instant::now() + TICK;
+    let robot = made(Boot { nonce, board: BOARD, reset, chip: store.chip() });
+    restore(robot, &mut store);
+    let mut due = None;
     let mut silent_ticks = 0;
     loop {
-        Timer::at(due).await;
+        base.period.wait().await;
         base.tick.set_high();
-        let missed_ticks = missed(due);
-        due += TICK * (u32::from(missed_ticks) + 1);
+        let missed_ticks = due.map_or(0, missed);
+        due = Some(due.unwrap_or_else(Instant::now) + TICK * (u32::from(missed_ticks) + 1));
         let sensors = base.sense(missed_ticks, robot.battery_divider());
         let actuation = robot.tick(&sensors);
         base.motors.drive(actuation.duty);
+        base.led.set_level(actuation.light.into());
 
-        link::UART.serve(&mut robot, Port::Uart);
-        link::USB_SERIAL.serve(&mut robot, Port::Usb);
+        link::UART.serve(robot, Port::Uart);
+        link::USB_SERIAL.serve(robot, Port::Usb);
         if link::touched() {
             robot.request_reboot(Reboot::Bootloader);
         }
@@ -97,17 +96,25 @@ async fn control(
 
         if let Some(steps) = actuation.save {
             watchdog.feed(SAVE_TIMEOUT);
-            save(&mut robot, &mut store, steps);
+            save(robot, &mut store, steps);
             // The ticks of that time are not made up for: the wheels stood still.
-            due = Instant::now() + TICK;
+            due = None;
         }
 
+        link::ask_for_life();
         silent_ticks = if link::alive() { 0 } else { silent_ticks + 1 };
         if silent_ticks <= LINK_PATIENCE {
             watchdog.feed(WATCHDOG_TIMEOUT);
         }
         base.tick.set_low();
     }
+}
+
+/// The robot. Apart, so that it lies on the stack only while it is made.
+#[inline(never)]
+fn made(boot: Boot) -> &'static mut Robot {
+    static ROBOT: StaticCell<Robot> = StaticCell::new();
+    ROBOT.init_with(|| Robot::new(Parameters::default(), boot))
 }
 
 /// Takes what the flash holds. Apart, as [`save`] is, so that its pages lie on the stack only meanwhile.

@@ -11,7 +11,8 @@
 //!
 //! The low halves of both travel to the processor in one word, so they always belong together.
 //! Forward is A leading B: (A, B) = 00, 10, 11, 01. If both channels change between two samples,
-//! nothing is counted: the direction is unknown.
+//! nothing is counted: the direction is unknown. A flag of the block, one for each machine, keeps that it
+//! happened until the processor takes it.
 //!
 //! A pass takes at most ten instructions, 5 µs at [`SAMPLE_CLOCK`]: edges are safe up to 200 000 a second.
 
@@ -21,7 +22,7 @@ use embassy_rp::gpio::Pull;
 use embassy_rp::peripherals::PIO0;
 use embassy_rp::pio::program::pio_asm;
 use embassy_rp::pio::{
-    Common, Config, Direction, LoadedProgram, PioPin, ShiftDirection, StateMachine,
+    Common, Config, Direction, IrqFlags, LoadedProgram, PioPin, ShiftDirection, StateMachine,
 };
 
 /// Instructions per second of the counting program, in Hz.
@@ -35,19 +36,22 @@ pub(crate) fn load(common: &mut Common<'static, PIO0>) -> LoadedProgram<'static,
         "jmp report"   // 00 00
         "jmp forward"  // 00 01
         "jmp backward" // 00 10
-        "jmp report"   // 00 11
+        "jmp skipped"  // 00 11
         "jmp backward" // 01 00
         "jmp report"   // 01 01
-        "jmp report"   // 01 10
+        "jmp skipped"  // 01 10
         "jmp forward"  // 01 11
         "jmp forward"  // 10 00
-        "jmp report"   // 10 01
+        "jmp skipped"  // 10 01
         "jmp report"   // 10 10
         "jmp backward" // 10 11
-        "jmp report"   // 11 00
+        "jmp skipped"  // 11 00
         "jmp backward" // 11 01
         "jmp forward"  // 11 10
         "jmp report"   // 11 11
+        "skipped:"
+        "irq nowait 4 rel"
+        "jmp report"
         "forward:"
         "jmp y-- report"
         // Reached from zero only: the counter has wrapped, and a jump on it is not taken.
@@ -66,6 +70,18 @@ pub(crate) fn load(common: &mut Common<'static, PIO0>) -> LoadedProgram<'static,
         ".wrap"
     );
     common.load_program(&program.program)
+}
+
+/// The flags of the two machines: 4 and the machine's number, which no interrupt line listens to.
+const SKIP_FLAGS: [u8; 2] = [4, 5];
+
+/// Whether the left and the right encoder were found to have skipped an edge since the last call.
+pub(crate) fn take_skips(flags: &IrqFlags<'static, PIO0>) -> [bool; 2] {
+    let skipped = SKIP_FLAGS.map(|flag| flags.check_any(1 << flag));
+    if skipped != [false; 2] {
+        flags.clear_all(SKIP_FLAGS.iter().fold(0, |all, flag| all | 1 << flag));
+    }
+    skipped
 }
 
 /// The position of one wheel in counts, kept over any number of wraps of the hardware's counters.

@@ -10,7 +10,7 @@ use embassy_rp::uart::{BufferedUart, BufferedUartRx, BufferedUartTx};
 use embassy_rp::usb::Driver;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
-use embassy_time::{Duration, Timer};
+use embassy_sync::signal::Signal;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, Config, UsbDevice};
@@ -29,8 +29,6 @@ const USB_PACKET: usize = 64;
 /// Opening the port at this speed and closing it asks for the boot loader, as on many boards.
 const TOUCH_BAUD: u32 = 1200;
 
-/// The period of this task's sign of life.
-const BEAT: Duration = Duration::from_millis(10);
 /// Bytes of one port waiting for the robot, at most.
 const INBOUND: usize = 256;
 /// Bytes of the robot waiting for one port, at most: [`LOW_WATER`] and one more frame.
@@ -46,8 +44,14 @@ pub(crate) static UART: Wire = Wire::new();
 /// The bytes of the USB serial port.
 pub(crate) static USB_SERIAL: Wire = Wire::new();
 
+static TICKED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 static ALIVE: AtomicBool = AtomicBool::new(false);
 static TOUCHED: AtomicBool = AtomicBool::new(false);
+
+/// Asks this task to say that it runs, by the next tick.
+pub(crate) fn ask_for_life() {
+    TICKED.signal(());
+}
 
 /// Whether this task has run since the last call.
 pub(crate) fn alive() -> bool {
@@ -106,7 +110,7 @@ impl Wire {
     }
 }
 
-/// Moves bytes for ever, and proves every [`BEAT`] that it still does.
+/// Moves bytes for ever, and proves in every control tick that it still does.
 #[embassy_executor::task]
 pub(crate) async fn link(uart: BufferedUart, driver: Driver<'static, USB>, chip: u64) {
     let (transmitter, receiver) = uart.split();
@@ -124,8 +128,8 @@ pub(crate) async fn link(uart: BufferedUart, driver: Driver<'static, USB>, chip:
 
 async fn beat() {
     loop {
+        TICKED.wait().await;
         ALIVE.store(true, Ordering::Relaxed);
-        Timer::after(BEAT).await;
     }
 }
 

@@ -29,6 +29,8 @@ mod log;
 #[cfg(target_os = "none")]
 mod motors;
 #[cfg(target_os = "none")]
+mod period;
+#[cfg(target_os = "none")]
 mod store;
 
 #[cfg(not(target_os = "none"))]

@@ -7,7 +7,7 @@ mod way;
 pub(crate) use photo::{MethodName, VisionArgs};
 pub(crate) use robot::{
     CalibrateBaseArgs, CalibrateCameraArgs, CalibrateCommand, CheckBaseArgs, CheckCommand,
-    ParamsArgs, PortArgs,
+    MonitorArgs, ParamsArgs, PortArgs,
 };
 pub(crate) use way::{CostName, PlannerName, TimingName, WayArgs};
 
@@ -67,6 +67,10 @@ pub(crate) enum Command {
     /// Find out whether a robot is put together right, before its first drive.
     #[command(subcommand)]
     Check(CheckCommand),
+    /// Show a robot's pose, state, encoder counts and battery as they change, until Ctrl-C.
+    ///
+    /// In a terminal one line is kept up to date; with --json each line is one document, ten a second.
+    Monitor(MonitorArgs),
     /// Stop the robot behind a port; it stays stopped until it is told to drive.
     Stop(PortArgs),
 }

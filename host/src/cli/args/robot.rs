@@ -4,6 +4,7 @@ use crate::cli::params::{self, Change};
 use crate::cli::quantity;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
+use std::time::Duration;
 use wmr::geometry::Arena;
 
 #[derive(Debug, Args)]
@@ -11,6 +12,16 @@ pub(crate) struct PortArgs {
     /// auto, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
     pub(crate) port: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MonitorArgs {
+    /// auto, sim, tcp://HOST:PORT or a device.
+    #[arg(short, long, env = "WMR_PORT", default_value = "auto")]
+    pub(crate) port: String,
+    /// End by itself after so long, such as 10s or 2min.
+    #[arg(long, value_parser = quantity::span, value_name = "DURATION")]
+    pub(crate) r#for: Option<Duration>,
 }
 
 #[derive(Debug, Args)]

@@ -15,6 +15,8 @@
 //! | empty battery | on the path, within the limits | `Faulted`, until recovered and cleared |
 //! | emergency stop, stall, encoder, no progress, late tick | drive cut in the same tick | `Faulted`, until cleared |
 
+mod driving;
+
 use crate::battery::Battery;
 use crate::leg_queue::LegQueue;
 use crate::leg_runner::LegRunner;
@@ -23,30 +25,16 @@ use crate::pace::Pace;
 use crate::pose_gate::PoseGate;
 use crate::pose_history::PoseHistory;
 use crate::progress::Progress;
-use crate::signals::{Event, Outcome, Sensors};
-use crate::tracker;
+use crate::signals::{Outcome, Sensors};
 use crate::wheel_pair::WheelPair;
+use driving::PROBE_TICKS;
 use protocol::message::{
-    BatteryLevel, BatteryReport, Driven, Fault, PauseReason, Placement, PlanHeader, PlanRefusal,
-    PoseRefusal, State, Wheel,
+    BatteryLevel, BatteryReport, Driven, Fault, Measurement, PauseReason, Placement, PlanHeader,
+    PlanRefusal, PoseRefusal, State, Wheel,
 };
-use protocol::motion::{Leg, Pose, Twist, WheelSpeeds};
+use protocol::motion::{Leg, Pose, WheelSpeeds};
 use protocol::parameters::ParameterRefusal;
 use protocol::parameters::Parameters;
-
-/// After the last leg the robot holds its goal for this long, ticks, so that the wheels come to rest
-/// where they should.
-const SETTLE_TICKS: u32 = 60;
-
-/// The pace at which a weak battery drives: the motors then need well under its voltage.
-const DERATED_PACE: f32 = 0.6;
-
-/// A wheel is turned with this duty to see how it is wired: enough for any motor that can drive a robot,
-/// too little to throw one off its block.
-const PROBE_DUTY: f32 = 0.35;
-/// And for at most so long, 1 s, of which in the end it coasts for 0.2 s so that the counts are final.
-const PROBE_TICKS: u16 = 240;
-const PROBE_REST_TICKS: u16 = 40;
 
 /// Control periods that may be missed on end; in 20 ms a robot at 0.4 m/s goes 8 mm unwatched.
 const LATEST_TICKS: u8 = 3;
@@ -85,8 +73,12 @@ pub struct Controller {
     inputs: [i32; 2],
     counts: [i32; 2],
     wheels: WheelPair,
+    /// In how many ticks each input was found to have lost a count.
+    skipped: [u16; 2],
     battery: Battery,
     progress: Progress,
+    /// The wheel that the last fault was about.
+    faulty: Option<Wheel>,
     leg: u16,
     placed: bool,
 }
@@ -108,7 +100,9 @@ impl Controller {
             inputs: counts,
             counts,
             wheels: WheelPair::new(&parameters, counts),
+            skipped: [0; 2],
             battery: Battery::default(),
+            faulty: None,
             progress: Progress::new(Pose::default()),
             leg: 0,
             placed: false,
@@ -123,6 +117,22 @@ impl Controller {
     /// What the battery means now, if it is not good.
     pub fn battery(&self) -> Option<BatteryReport> {
         self.battery.report()
+    }
+
+    /// What the battery means now.
+    pub fn battery_level(&self) -> BatteryLevel {
+        self.battery.level()
+    }
+
+    /// What is measured, besides the pose and the wheels' speeds.
+    pub fn measurement(&self) -> Measurement {
+        let (counts, skipped) = (self.counts, self.skipped);
+        Measurement { counts, skipped, battery: self.battery.volts() }
+    }
+
+    /// The wheel that the fault is about, if it is about one.
+    pub fn faulty_wheel(&self) -> Option<Wheel> {
+        self.faulty
     }
 
     /// Turns one wheel forward by a quarter turn at most, to see how it is wired; false if the robot is
@@ -301,7 +311,12 @@ impl Controller {
 
     /// Cuts the drive from this moment on, because of `fault`.
     pub fn cut(&mut self, fault: Fault) {
+        self.cut_for(fault, None);
+    }
+
+    fn cut_for(&mut self, fault: Fault, wheel: Option<Wheel>) {
         self.state = State::Faulted(fault);
+        self.faulty = wheel;
         self.rest();
     }
 
@@ -315,6 +330,9 @@ impl Controller {
     /// One tick of 5 ms: takes in what is measured, gives the motors' duty and what came to an end.
     pub fn tick(&mut self, sensors: &Sensors) -> Outcome {
         self.inputs = sensors.counts;
+        for (skipped, lost) in self.skipped.iter_mut().zip(sensors.skipped) {
+            *skipped = skipped.wrapping_add(lost.into());
+        }
         self.counts = self.parameters.wiring.wheels(sensors.counts);
         self.odometry.update(self.counts, &self.rims);
         self.history.push(self.odometry.driven());
@@ -332,6 +350,7 @@ impl Controller {
         let report = self.battery.update(volts?, &self.parameters.battery);
         if self.battery.level() == BatteryLevel::Empty && !self.is_halted() {
             self.state = State::Faulted(Fault::Battery);
+            self.faulty = None;
         }
         report
     }
@@ -339,145 +358,5 @@ impl Controller {
     /// Whether the plan is broken off: the robot comes to rest on its path and forgets it.
     fn is_halted(&self) -> bool {
         matches!(self.state, State::Stopped | State::Faulted(_))
-    }
-
-    fn advance(&mut self) -> Option<Event> {
-        let pose = self.odometry.pose();
-        match &mut self.activity {
-            Activity::Resting => None,
-            Activity::Leg(_) => self.advance_leg(pose),
-            Activity::Probing { .. } => self.advance_probe(),
-            Activity::Settling { ticks, .. } if *ticks > 0 => {
-                *ticks -= 1;
-                None
-            }
-            // The wheels are being brought to rest within the limits.
-            Activity::Settling { .. } if !self.wheels.are_to_stand() => None,
-            Activity::Settling { ended, .. } => {
-                let ended = *ended;
-                if self.is_halted() {
-                    self.rest();
-                } else {
-                    // What was driven is kept: a later batch may go on behind it.
-                    self.state = State::Idle;
-                    self.activity = Activity::Resting;
-                }
-                ended.map(|plan| Event::PlanDone { plan, pose })
-            }
-        }
-    }
-
-    /// Ends after a quarter turn of any wheel either way, in time, and when the robot may not move on.
-    fn advance_probe(&mut self) -> Option<Event> {
-        let Activity::Probing { from, ticks, .. } = &mut self.activity else { return None };
-        *ticks = ticks.saturating_sub(1);
-        let [now, before] = [self.counts, *from];
-        let turned = [now[0].wrapping_sub(before[0]), now[1].wrapping_sub(before[1])];
-        let quarter = u32::from(self.parameters.counts_per_turn / 4);
-        let far = turned.iter().any(|counts| counts.unsigned_abs() >= quarter);
-        if *ticks > PROBE_REST_TICKS && (far || self.state != State::Idle) {
-            *ticks = PROBE_REST_TICKS;
-        }
-        if *ticks > 0 {
-            return None;
-        }
-        self.rest();
-        Some(Event::WheelTurned(turned))
-    }
-
-    fn advance_leg(&mut self, pose: Pose) -> Option<Event> {
-        let limits = self.parameters.limits();
-        let Activity::Leg(mut runner) = self.activity else { return None };
-        let target = self.target_pace();
-        if self.pace.value() != target {
-            let planned = runner.rim_motion(&limits);
-            self.pace = self.pace.towards(target, planned, limits.acceleration.0);
-        }
-        let phases = self.pace.phases(self.wheels.share());
-        if phases == 0 {
-            if self.is_halted() {
-                self.settle(runner.reference(), None);
-            }
-            return None;
-        }
-        let runs = runner.advance(phases, pose, &limits);
-        self.activity = Activity::Leg(runner);
-        if runs {
-            return None;
-        }
-        self.queue.finish_leg(runner.leg().index);
-        match self.queue.next_leg() {
-            Some(leg) if !self.is_halted() => self.begin(leg),
-            left => {
-                let ended = left.is_none().then_some(runner.leg().plan);
-                self.settle(runner.reference(), ended);
-            }
-        }
-        Some(Event::LegDone(runner.result(pose)))
-    }
-
-    fn target_pace(&self) -> f32 {
-        match (self.state, self.battery.level()) {
-            (State::Driving, BatteryLevel::Good | BatteryLevel::Low) => 1.0,
-            (State::Driving, BatteryLevel::Weak | BatteryLevel::Empty) => DERATED_PACE,
-            _ => 0.0,
-        }
-    }
-
-    fn begin(&mut self, leg: Leg) {
-        self.leg = leg.index;
-        let runner = LegRunner::new(leg, self.odometry.pose(), &self.parameters.limits());
-        self.activity = Activity::Leg(runner);
-    }
-
-    fn settle(&mut self, goal: Pose, ended: Option<u32>) {
-        self.activity = Activity::Settling { goal, ended, ticks: SETTLE_TICKS };
-    }
-
-    fn rest(&mut self) {
-        self.queue.clear();
-        self.activity = Activity::Resting;
-        self.wheels.rest(self.counts);
-    }
-
-    fn wanted_twist(&self) -> Twist {
-        let pose = self.odometry.pose();
-        let gains = &self.parameters.tracker;
-        match &self.activity {
-            Activity::Resting | Activity::Probing { .. } | Activity::Settling { ticks: 0, .. } => {
-                Twist::default()
-            }
-            Activity::Settling { goal, .. } => {
-                tracker::correct(Twist::default(), *goal, pose, gains)
-            }
-            Activity::Leg(runner) => {
-                let planned = self.pace.scale(runner.twist());
-                tracker::correct(planned, runner.reference(), pose, gains)
-            }
-        }
-    }
-
-    /// Brings the wheels to what is wanted of them, and watches that they go there.
-    fn drive(&mut self) -> [f32; 2] {
-        if self.is_at_rest() {
-            self.wheels.rest(self.counts);
-            return [0.0, 0.0];
-        }
-        if let Activity::Probing { wheel, ticks, .. } = self.activity {
-            self.wheels.rest(self.counts);
-            let duty = if ticks > PROBE_REST_TICKS { PROBE_DUTY } else { 0.0 };
-            return match wheel {
-                Wheel::Left => [duty, 0.0],
-                Wheel::Right => [0.0, duty],
-            };
-        }
-        let duty = self.wheels.tick(self.wanted_twist(), self.counts);
-        let (commanded, pose) = (self.wheels.commanded_twist(), self.odometry.pose());
-        let gets_on = self.progress.update(commanded, pose, self.parameters.track);
-        if let Some(fault) = self.wheels.fault().or((!gets_on).then_some(Fault::NoProgress)) {
-            self.cut(fault);
-            return [0.0, 0.0];
-        }
-        duty
     }
 }
