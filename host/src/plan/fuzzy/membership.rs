@@ -11,10 +11,20 @@
 
 use super::risk::RiskField;
 use crate::geometry::{Arena, Point, Rect};
+use std::collections::BTreeMap;
 
 /// Sample cells along a side of an area that is neither wholly free nor wholly blocked; odd, so that one
 /// of them is the area's middle.
 const SAMPLES: usize = 3;
+
+/// An area is beside a core's edge if its middle is so many sides from it.
+const BESIDE: f64 = 1.2;
+
+/// Where a gap is narrower than an area, so many sample cells along a side look for it,
+const GAP_SAMPLES: usize = 13;
+
+/// in a window so many sides wide: one that passes at an area's corner must be seen by its neighbours.
+const GAP_WINDOW: f64 = 1.4;
 
 /// More areas than this are refused.
 pub const AREA_LIMIT: usize = 16_000_000;
@@ -35,7 +45,8 @@ pub struct FuzzyArea {
     pub free: f32,
     /// The mean risk in that share.
     pub risk: f32,
-    /// The risk in the area's middle; 1 if the robot's centre cannot be there.
+    /// The risk in the area's middle, or, in a gap narrower than the area, at the best place; 1 if the
+    /// robot's centre cannot be there.
     pub middle: f32,
 }
 
@@ -55,8 +66,9 @@ impl MembershipGrid {
         let (columns, rows) = Self::size(arena, side);
         let mut grid = Self { columns, rows, side, areas: vec![FuzzyArea::FREE; columns * rows] };
         let mut mixed: Vec<(u32, u32)> = Vec::new();
+        let mut beside: Vec<(u32, u32)> = Vec::new();
         for obstacle in 0..field.len() {
-            grid.draw(field, obstacle, &mut mixed);
+            grid.draw(field, obstacle, &mut mixed, &mut beside);
         }
         mixed.sort_unstable();
         for of_area in mixed.chunk_by(|a, b| a.0 == b.0) {
@@ -66,6 +78,8 @@ impl MembershipGrid {
             }
         }
         grid.close_border(field);
+        beside.sort_unstable();
+        grid.open_gaps(field, &beside);
         grid
     }
 
@@ -116,10 +130,17 @@ impl MembershipGrid {
         Point::new((column as f64 + 0.5) * self.side, (row as f64 + 0.5) * self.side)
     }
 
-    /// Blocks the areas in the core of an obstacle, and notes those that it touches in part.
-    fn draw(&mut self, field: &RiskField, obstacle: usize, mixed: &mut Vec<(u32, u32)>) {
+    /// Blocks the areas in the core of an obstacle, and notes those that it touches in part, and those
+    /// beside the edge of its core.
+    fn draw(
+        &mut self,
+        field: &RiskField,
+        obstacle: usize,
+        mixed: &mut Vec<(u32, u32)>,
+        beside: &mut Vec<(u32, u32)>,
+    ) {
         let half_diagonal = self.side * std::f64::consts::FRAC_1_SQRT_2;
-        let Rect { x0, y0, x1, y1 } = field.bounds(obstacle);
+        let Rect { x0, y0, x1, y1 } = field.bounds(obstacle).widened([self.side; 4]);
         let first = |low: f64| (low / self.side).floor().max(0.0) as usize;
         let end = |high: f64, count: usize| {
             ((high / self.side).floor().max(-1.0) + 1.0).min(count as f64) as usize
@@ -130,10 +151,55 @@ impl MembershipGrid {
                 let (from_core, from_band) = field.outside(obstacle, self.middle(index));
                 if from_core <= -half_diagonal {
                     self.areas[index] = FuzzyArea::BLOCKED;
-                } else if from_band < half_diagonal {
+                    continue;
+                }
+                if from_band < half_diagonal {
                     mixed.push((index as u32, obstacle as u32));
                 }
+                if from_core < BESIDE * self.side {
+                    beside.push((index as u32, obstacle as u32));
+                }
             }
+        }
+    }
+
+    /// Opens blocked areas where a gap between two cores, or a core and the border, is open though
+    /// narrower than an area.
+    fn open_gaps(&mut self, field: &RiskField, beside: &[(u32, u32)]) {
+        let inside = field.inside();
+        let inner = inside.widened([-BESIDE * self.side; 4]);
+        let mut known = BTreeMap::new();
+        for of_area in beside.chunk_by(|a, b| a.0 == b.0) {
+            let index = of_area[0].0 as usize;
+            let middle = self.middle(index);
+            if self.areas[index].middle < 1.0 || self.areas[index] == FuzzyArea::BLOCKED {
+                continue;
+            }
+            let obstacles = || of_area.iter().map(|&(_, by)| by as usize);
+            let mut is_open = |a: usize, b: usize| {
+                *known.entry((a, b)).or_insert_with(|| field.is_open_between(a, b))
+            };
+            let is_gap = obstacles().any(|a| obstacles().any(|b| a < b && is_open(a, b)))
+                || (!inner.contains(middle) && obstacles().any(|a| field.is_open_at_border(a)));
+            if is_gap {
+                self.open(field, index);
+            }
+        }
+    }
+
+    fn open(&mut self, field: &RiskField, index: usize) {
+        let middle = self.middle(index);
+        let offset =
+            |at: usize| ((at as f64 + 0.5) / GAP_SAMPLES as f64 - 0.5) * self.side * GAP_WINDOW;
+        let risk = |number: usize| {
+            let (x, y) = (offset(number % GAP_SAMPLES), offset(number / GAP_SAMPLES));
+            field.at(Point::new(middle.x + x, middle.y + y)) as f32
+        };
+        let least = (0..GAP_SAMPLES * GAP_SAMPLES).map(risk).fold(1.0, f32::min);
+        let area = &mut self.areas[index];
+        if least < 1.0 {
+            area.middle = least;
+            area.risk = area.risk.min(least);
         }
     }
 

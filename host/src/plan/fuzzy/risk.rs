@@ -103,6 +103,28 @@ impl RiskField {
         (from_core, from_core - soft.widest)
     }
 
+    /// Whether the robot fits between two obstacles.
+    pub(super) fn is_open_between(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (&self.obstacles[a].footprint, &self.obstacles[b].footprint);
+        let (outline, less) = match a {
+            Shape::Circle(circle) => (vec![circle.centre], circle.radius),
+            shape => (shape.outline(), 0.0),
+        };
+        let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+        let least = edges.map(|(&p, &q)| b.leg_distance(p, q)).fold(f64::INFINITY, f64::min);
+        least - less >= 2.0 * (self.keep + GUARD)
+    }
+
+    /// Whether the robot fits between an obstacle and the border, on any side.
+    pub(super) fn is_open_at_border(&self, obstacle: usize) -> bool {
+        let bounds = self.obstacles[obstacle].footprint.bounds();
+        let room = self.keep + GUARD;
+        bounds.x0 - room >= self.inside.x0
+            || bounds.y0 - room >= self.inside.y0
+            || bounds.x1 + room <= self.inside.x1
+            || bounds.y1 + room <= self.inside.y1
+    }
+
     /// The risk at `point`; 1 in a core and beyond the border.
     pub(super) fn at(&self, point: Point) -> f64 {
         if !self.is_inside(point) {

@@ -51,18 +51,21 @@ pub(super) fn tighten(quest: &Quest, points: &[Point]) -> Option<Vec<Point>> {
 
 /// The points that are left when straight legs replace what costs as much.
 fn thinned(quest: &Quest, points: &[Point]) -> Option<Vec<Point>> {
-    let mut sums = vec![0.0];
-    let mut sum = 0.0;
+    // Up to each point: how many legs cannot be driven, and what the others cost.
+    let mut sums = vec![(0_usize, 0.0)];
+    let (mut broken, mut sum) = (0, 0.0);
     for leg in points.windows(2) {
-        // What cannot be driven has to be replaced, whatever that costs.
-        sum += quest.cost(leg[0], leg[1]).unwrap_or(f64::INFINITY);
-        sums.push(sum);
+        match quest.cost(leg[0], leg[1]) {
+            Some(cost) => sum += cost,
+            None => broken += 1,
+        }
+        sums.push((broken, sum));
     }
     let last = points.len() - 1;
     let replaces = |from: usize, to: usize| {
-        let cost = quest.cost(points[from], points[to]);
-        let old = sums[to] - sums[from];
-        cost.is_some_and(|cost| old.is_nan() || cost <= old * (1.0 + THINNING))
+        let is_broken = sums[to].0 > sums[from].0;
+        let most = (sums[to].1 - sums[from].1) * (1.0 + THINNING);
+        quest.cost(points[from], points[to]).is_some_and(|cost| is_broken || cost <= most)
     };
     let mut kept = vec![points[0]];
     let mut from = 0;
