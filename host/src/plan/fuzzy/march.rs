@@ -19,6 +19,13 @@ const SEEDED: f64 = 4.0;
 /// From areas so many sides around the goal a straight leg leads on to it.
 const REACHED: f64 = 3.0;
 
+/// What the points of a way keep further from cores than needed, as a part of a side, so that the legs
+/// between them fit.
+const SPARE: f64 = 0.02;
+
+/// How often a point of a way is moved out of the cores around it.
+const ROUNDS: usize = 6;
+
 /// Areas around the grid that are never entered.
 const RING: usize = 2;
 
@@ -260,7 +267,7 @@ impl Arrival {
             let steep = gx.hypot(gy);
             let by = 0.5 * self.side / steep;
             at = Point::new(at.x - by * gx, at.y - by * gy);
-            at = pushed_out(quest.field, at, self.side)?;
+            at = quest.field.pushed_out(at, SPARE * self.side, ROUNDS);
             way.push(at);
         }
         None
@@ -332,22 +339,4 @@ impl Arrival {
             0.0
         }
     }
-}
-
-/// The point itself, or the nearest place to it outside of all cores, found along the slopes of distances.
-fn pushed_out(field: &RiskField, at: Point, side: f64) -> Option<Point> {
-    /// What is kept further than needed, as a part of a side, so that legs between the points fit.
-    const SPARE: f64 = 0.02;
-    const ROUNDS: usize = 6;
-    let inside = field.inside();
-    let mut at = at;
-    for _ in 0..ROUNDS {
-        let held = Point::new(at.x.clamp(inside.x0, inside.x1), at.y.clamp(inside.y0, inside.y1));
-        let moved = field.pushed(held, SPARE * side);
-        if moved == at {
-            return Some(at);
-        }
-        at = moved;
-    }
-    Some(at)
 }

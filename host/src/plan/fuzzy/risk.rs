@@ -200,8 +200,25 @@ impl RiskField {
         sum * part / (2.0 * count)
     }
 
+    /// `at`, or a place near it that is `spare` metres outside of every core and within the border, if so
+    /// many `rounds` of moving away from one core after the other lead to one.
+    pub(super) fn pushed_out(&self, at: Point, spare: f64, rounds: usize) -> Point {
+        let inside = self.inside;
+        let mut at = at;
+        for _ in 0..rounds {
+            let held =
+                Point::new(at.x.clamp(inside.x0, inside.x1), at.y.clamp(inside.y0, inside.y1));
+            let moved = self.pushed(held, spare);
+            if moved == at {
+                break;
+            }
+            at = moved;
+        }
+        at
+    }
+
     /// `at`, moved away from each obstacle in turn to whose core it is nearer than `spare` metres.
-    pub(super) fn pushed(&self, at: Point, spare: f64) -> Point {
+    fn pushed(&self, at: Point, spare: f64) -> Point {
         const STEP: f64 = 1e-6;
         let mut at = at;
         for number in self.near(at, at) {
@@ -313,4 +330,74 @@ fn clipped(rect: &Rect, a: Point, b: Point) -> (f64, f64) {
         }
     }
     if part.0 <= part.1 { part } else { (0.0, 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rectangle with margins of 20, 0, 40 and 10 mm, and a disc with 50 mm, for a robot of 100 mm.
+    fn field() -> RiskField {
+        let mut scene = Scene::new(3.0, 2.0);
+        scene.robot_radius = 0.1;
+        let mut rect = Obstacle::from(Rect::new(1.0, 0.5, 1.4, 1.0));
+        rect.margin = [0.02, 0.0, 0.04, 0.01];
+        let mut disc = Obstacle::from(crate::shape::Circle::from([2.4, 1.0, 0.2]));
+        disc.margin = [0.05; 4];
+        scene.obstacles = vec![rect, disc];
+        RiskField::new(&scene, 0.0)
+    }
+
+    #[test]
+    fn the_risk_falls_linearly_over_each_margin() {
+        let field = field();
+        let places = [
+            (0.885, 0.75, 0.25), // 15 of 20 mm left of the rectangle's core
+            (1.52, 0.75, 0.5),   // 20 of 40 mm to the right
+            (1.2, 1.1025, 0.75), // 2.5 of 10 mm above
+            (1.2, 0.399, 0.0),   // no margin below
+            (2.4, 1.325, 0.5),   // 25 of 50 mm above the disc's core
+            (2.4, 1.29, 1.0),    // in the core
+            (0.05, 0.5, 1.0),    // beyond the border
+            // At a corner both margins count: grown by a half it reaches to (1.42, 1.005), 60 and 80 mm away.
+            (1.48, 1.085, 0.5),
+        ];
+        for (x, y, risk) in places {
+            let at = field.at(Point::new(x, y));
+            assert!((at - risk).abs() < 1e-6, "({x}, {y}): {at}, not {risk}");
+        }
+    }
+
+    #[test]
+    fn a_leg_has_the_integral_and_the_greatest_of_its_risk() {
+        let field = field();
+        let leg = |a: [f64; 2], b: [f64; 2]| field.leg(a.into(), b.into(), 1.0, false);
+        // Along the right side, at half of its margin.
+        let along = leg([1.52, 0.6], [1.52, 0.9]).unwrap();
+        assert!(
+            (along.greatest - 0.5).abs() < 1e-6 && (along.integral - 0.15).abs() < 1e-6,
+            "{along:?}"
+        );
+        // Away from it over the whole margin: a triangle of 40 mm by 1, less a hair beside the core.
+        let away = leg([1.500_002, 0.75], [1.9, 0.75]).unwrap();
+        assert!((away.integral - 0.02).abs() < 1e-4, "{away:?}");
+        assert_eq!(leg([0.5, 1.3], [1.6, 1.3]), Some(LegRisk::default()));
+        assert_eq!(leg([0.5, 0.75], [1.6, 0.75]), None);
+        assert_eq!(field.leg([1.52, 0.6].into(), [1.52, 0.9].into(), 0.4, false), None);
+    }
+
+    #[test]
+    fn only_gaps_as_wide_as_the_robot_are_open() {
+        let field = field();
+        assert!(field.is_open_between(0, 1) && field.is_open_between(1, 0), "0.8 m apart");
+        let mut scene = Scene::new(2.0, 2.0);
+        scene.robot_radius = 0.1;
+        scene.obstacles = vec![
+            crate::shape::Circle::from([1.0, 1.0, 0.2]).into(),
+            Rect::new(0.0, 1.399, 2.0, 1.5).into(),
+            Rect::new(0.0, 0.5, 2.0, 0.598).into(),
+        ];
+        let field = RiskField::new(&scene, 0.0);
+        assert!(!field.is_open_between(0, 1) && field.is_open_between(0, 2));
+    }
 }
