@@ -21,6 +21,7 @@
 //! | Where are shadows modelled? | `vision/appearance` (`floor`, `shadow`); those that boxes cast in `vision/boxes` (`light`) |
 //! | Where does a turned box or a disc get its shape? | `vision/outline`, where `vision/boxes` (`shaped`) finds that boxes explain it badly |
 //! | Where are shapes of any form planned around? | `plan/disc` for the exact planner; `grid` (`enlarge`) covers them with rectangles for the paper's |
+//! | Where is a way found whose edges are unsure? | `plan/fuzzy`: membership of areas, fast marching, and a taut way on the true shapes |
 //! | Where does a box get its margin? | `vision/boxes` (`refine`, and `uncovered` for what no box explains); [`plan::with_margin_fallback`] chooses the margin for driving |
 //! | Where is a leg's time made? | [`protocol::motion`], shared by host and robot; [`legs`] asks it |
 //! | Where does a lost frame come back? | [`protocol::session`], at both ends; [`link::LinkClient`] is the host's |

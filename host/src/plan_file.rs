@@ -5,7 +5,7 @@
 //! plan edited by hand, or mixed up with another arena, moves nothing. Metres and radians.
 
 use crate::geometry::{Point, Pose};
-use crate::plan::{GridStages, Inflation, Plan, clearance};
+use crate::plan::{FuzzyStages, GridStages, Inflation, Plan, clearance};
 use crate::scene::{Scene, SceneError};
 use protocol::motion::{self, Leg};
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,9 @@ pub struct PlanFile {
     /// The numbers of special areas in the grid method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub areas: Option<AreaNumbers>,
+    /// What the fuzzy planner weighed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fuzzy: Option<FuzzyFigures>,
     /// How long planning took.
     pub timing_us: PlanTiming,
     /// The arena that it was planned in.
@@ -66,6 +69,30 @@ pub struct AreaNumbers {
     pub goal: usize,
     /// Areas closed because they would trap the robot, in the order of closing.
     pub traps: Vec<usize>,
+}
+
+/// What the fuzzy planner weighed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FuzzyFigures {
+    /// How many metres of detour a metre at full risk is worth.
+    pub risk_weight: f64,
+    /// The side of an area, metres.
+    pub area: f64,
+    /// The length and the weighted integral of the risk together, metres.
+    pub cost: f64,
+    /// The greatest risk on the way, 0 to 1.
+    pub greatest_risk: f64,
+}
+
+impl From<&FuzzyStages> for FuzzyFigures {
+    fn from(stages: &FuzzyStages) -> Self {
+        Self {
+            risk_weight: stages.weight,
+            area: stages.grid.side(),
+            cost: stages.cost,
+            greatest_risk: stages.greatest_risk,
+        }
+    }
 }
 
 /// How long planning took, microseconds.
@@ -150,6 +177,7 @@ impl PlanFile {
             duration,
             mini_matrix: plan.grid.as_ref().map(matrix_rows),
             areas: plan.grid.as_ref().map(AreaNumbers::from),
+            fuzzy: plan.fuzzy.as_deref().map(FuzzyFigures::from),
             timing_us,
             scene: scene.clone(),
         }

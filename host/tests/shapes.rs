@@ -50,6 +50,32 @@ fn a_way_among_shapes_is_planned_kept_and_driven() {
 }
 
 #[test]
+fn the_fuzzy_planner_weighs_margins_and_draws_its_grid() {
+    let steps = tempfile::tempdir().unwrap();
+    let folder = steps.path().to_str().unwrap();
+    let (_, plan) = wmr(
+        SCENE,
+        &["plan", "--planner", "fuzzy", "--risk", "20", "--area", "5mm", "--steps", folder],
+    );
+    assert_eq!((&plan["planner"], &plan["inflation"]), (&"fuzzy".into(), &"disc".into()));
+    assert_eq!(
+        (&plan["fuzzy"]["risk_weight"], &plan["fuzzy"]["area"]),
+        (&20.0.into(), &0.005.into())
+    );
+    assert!(plan["clearance"].as_f64().unwrap() >= 0.075 - 1e-9, "{plan}");
+    let picture = std::fs::read_to_string(steps.path().join("13_membership.svg")).unwrap();
+    assert!(picture.contains("320 × 240 areas of 5.0 mm"));
+    let (output, run) = wmr(SCENE, &["drive", "--port", "sim", "--planner", "fuzzy"]);
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!((&run["reached"], &run["collisions"]), (&true.into(), &0.into()));
+    let (output, error) = wmr(SCENE, &["plan", "--planner", "fuzzy", "--inflation", "square"]);
+    assert_eq!(
+        (output.status.code(), &error["error"]["code"]),
+        (Some(2), &"plan.fuzzy_alone".into())
+    );
+}
+
+#[test]
 fn the_paper_s_planners_and_squares_go_round_shapes_too() {
     for arguments in [["plan", "--planner", "grid"], ["plan", "--inflation", "square"]] {
         let (_, plan) = wmr(SCENE, &arguments);

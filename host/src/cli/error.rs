@@ -114,7 +114,10 @@ impl From<PlanError> for CliError {
         let exit = match &error {
             PlanError::Grid(_) => Exit::File,
             PlanError::Unsafe { .. } => Exit::Bug,
-            PlanError::DiscNeedsExact => Exit::Usage,
+            PlanError::DiscNeedsExact
+            | PlanError::FuzzyAlone
+            | PlanError::RiskWeight { .. }
+            | PlanError::Areas { .. } => Exit::Usage,
             _ => Exit::NoPath,
         };
         let help = "move an obstacle, or try a smaller --radius or --margin";

@@ -80,6 +80,10 @@ impl Folder {
                 self.write("13_tree.svg", picture::plan::path_tree(tree, stages).as_bytes())?;
             }
         }
+        if let Some(stages) = &plan.fuzzy {
+            let picture = picture::fuzzy::membership(scene, plan, stages);
+            self.write("13_membership.svg", picture.as_bytes())?;
+        }
         self.write("14_path.svg", picture::plan::path(scene, plan, &way.options).as_bytes())
     }
 

@@ -31,6 +31,19 @@ pub(crate) fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The side of an area of the fuzzy grid, metres: above 0.
+pub(crate) fn area_side(text: &str) -> Result<f64, String> {
+    let metres = length(text)?;
+    if metres > 0.0 { Ok(metres) } else { Err(format!("{text} is no side of an area; write 10mm")) }
+}
+
+/// The weight of risk: 0 to [`wmr::plan::LARGEST_RISK_WEIGHT`].
+pub(crate) fn risk_weight(text: &str) -> Result<f64, String> {
+    let most = wmr::plan::LARGEST_RISK_WEIGHT;
+    let value = finite(text).filter(|value| (0.0..=most).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no weight of risk; write 0 to {most}"))
+}
+
 /// A camera's height above the floor, metres: 0.1 to 200.
 pub(crate) fn height(text: &str) -> Result<f64, String> {
     let value = length(text).ok().filter(|value| (0.1..=200.0).contains(value));

@@ -3,10 +3,10 @@
 use super::args::WayArgs;
 use super::error::CliError;
 use super::input::Input;
-use super::way::{cost, microseconds, planner, with_radius};
+use super::way::{microseconds, plan_options, planner, with_radius};
 use serde_json::{Value, json};
 use std::time::Instant;
-use wmr::plan::{PlanOptions, PreparedArena};
+use wmr::plan::PreparedArena;
 
 /// Plans the queries of a scene; an answer or an error each, in their order.
 pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> {
@@ -18,12 +18,7 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
     };
     let scene = with_radius(scene, args.radius);
     let margin = args.margin.unwrap_or(0.0);
-    let options = PlanOptions {
-        planner: planner(args.planner),
-        margin,
-        cost: cost(args.cost),
-        inflation: args.inflation.map(Into::into),
-    };
+    let options = plan_options(args, planner(args.planner), margin);
     let began = Instant::now();
     let mut arena = PreparedArena::new(&scene, &options)?;
     let build = microseconds(began);

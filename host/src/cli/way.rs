@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use wmr::geometry::{Point, Pose};
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
 use wmr::plan::{
-    Cost, DRIVE_MARGINS, MarginPlan, Plan, PlanOptions, Planner, with_margin_fallback,
+    Cost, DRIVE_MARGINS, FuzzyOptions, MarginPlan, Plan, PlanOptions, Planner, with_margin_fallback,
 };
 use wmr::plan_file::{PlanFile, PlanTiming};
 use wmr::scene::{Goal, Scene};
@@ -101,12 +101,7 @@ pub(crate) fn plan_way(
         (None, MarginRule::AsAsked) => &[0.0],
         (None, MarginRule::ForDriving) => &DRIVE_MARGINS,
     };
-    let options = |margin| PlanOptions {
-        planner,
-        margin,
-        cost: cost(args.cost),
-        inflation: args.inflation.map(Into::into),
-    };
+    let options = |margin| plan_options(args, planner, margin);
     let began = Instant::now();
     let MarginPlan { plan, margin, preparing, searching } =
         with_margin_fallback(&scene, start.position, goal.position, tried, &options(0.0), || {
@@ -143,12 +138,23 @@ pub(crate) fn plan_way(
     Ok(PlannedWay { file, plan: Some(plan), options: options(margin) })
 }
 
+/// What `args` ask the planner for.
+pub(crate) fn plan_options(args: &WayArgs, planner: Planner, margin: f64) -> PlanOptions {
+    PlanOptions {
+        planner,
+        margin,
+        cost: cost(args.cost),
+        inflation: args.inflation.map(Into::into),
+        fuzzy: FuzzyOptions { risk: args.risk, area: args.area },
+    }
+}
+
 /// In an arena of so few obstacles the grid method takes no time worth mentioning.
 const FEW_OBSTACLES: usize = 60;
 
 /// The exact planner needs no mini-matrix; people and pictures like one all the same.
 fn with_grid(plan: Plan, scene: &Scene, (start, goal): (Pose, Goal), options: PlanOptions) -> Plan {
-    if plan.grid.is_some() || scene.obstacles.len() > FEW_OBSTACLES {
+    if plan.grid.is_some() || plan.fuzzy.is_some() || scene.obstacles.len() > FEW_OBSTACLES {
         return plan;
     }
     let options =
@@ -186,6 +192,7 @@ pub(crate) fn planner(name: PlannerName) -> Planner {
         PlannerName::Exact => Planner::Exact,
         PlannerName::Grid => Planner::Grid,
         PlannerName::Tree => Planner::Tree,
+        PlannerName::Fuzzy => Planner::Fuzzy,
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod drive;
 mod floor;
+pub mod fuzzy;
 pub mod grid;
 pub mod motion;
 pub mod overhead;

@@ -23,6 +23,7 @@ text{font-family:'DejaVu Sans','Segoe UI',Helvetica,Arial,sans-serif;fill:#2b2f3
 .dead{fill:#dedbd3}.live{fill:#eef6ee}.terminal{fill:#ffe9a8}.trap{fill:#f3b3ad}.chosen{fill:#dbe8fb}\
 .edge{stroke:#b5bac3;stroke-width:1.3;fill:none}.best-edge{stroke:#1f6fd6;stroke-width:3;fill:none}\
 .node{fill:#ffffff;stroke:#8a919d;stroke-width:1.2}.best-node{fill:#1f6fd6;stroke:#1f6fd6}\
+.free0{fill:#8e5a63}.free1{fill:#c0717a}.free2{fill:#dd9590}.free3{fill:#edb9aa}.free4{fill:#f6d8c9}.free5{fill:#fcefe6}\
 .on-dark{fill:#ffffff}.path{fill:none;stroke:#1f6fd6;stroke-width:3.5;stroke-linejoin:round}\
 .local{fill:none;stroke:#1f6fd6;stroke-width:1.4;stroke-dasharray:3 4}\
 .planned{fill:none;stroke:#8a919d;stroke-width:2;stroke-dasharray:6 4}\

@@ -100,7 +100,7 @@ fn span_square(a: Point, b: Point, rect: &Rect) -> f64 {
 ///
 /// Two convex shapes apart are nearest at an end of the leg, or where the leg passes the corner that
 /// lies least far to its side.
-fn leg_square(a: Point, b: Point, rect: &Rect) -> f64 {
+pub(super) fn leg_square(a: Point, b: Point, rect: &Rect) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let side = |x: f64, y: f64| dx * (y - a.y) - dy * (x - a.x);
     // The corners furthest to the right and to the left of the leg's direction.

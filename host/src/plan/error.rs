@@ -1,6 +1,6 @@
 //! Why there is no plan, with the numbers a person needs to change that.
 
-use super::Gap;
+use super::{AREA_LIMIT, Gap, LARGEST_RISK_WEIGHT};
 use crate::geometry::{Arena, Point};
 use crate::grid::GridError;
 use std::fmt;
@@ -62,9 +62,42 @@ pub enum PlanError {
     },
     /// Inflation by a disc was asked for together with something that only knows squares.
     #[error(
-        "inflation by a disc goes with the exact planner and the shortest path alone; choose these, or --inflation square"
+        "inflation by a disc goes with the exact planner and the shortest path alone, or with the fuzzy planner; choose these, or --inflation square"
     )]
     DiscNeedsExact,
+    /// The fuzzy planner was asked for together with something that it does not know.
+    #[error(
+        "the fuzzy planner inflates obstacles by a disc and weighs length against risk; leave out --inflation and --cost, or choose --planner exact"
+    )]
+    FuzzyAlone,
+    /// The weight of risk is no number that one can plan with.
+    #[error("a risk weight of {weight} is not possible; give --risk 0 to {LARGEST_RISK_WEIGHT}")]
+    RiskWeight {
+        /// What was given.
+        weight: f64,
+    },
+    /// The fuzzy grid would have too many areas, or none.
+    #[error(
+        "areas of {} mm would be {columns} × {rows} of them, and {AREA_LIMIT} are possible; give a larger --area",
+        .side * 1000.0
+    )]
+    Areas {
+        /// The side of an area, metres.
+        side: f64,
+        /// How many side by side.
+        columns: usize,
+        /// How many one upon the other.
+        rows: usize,
+    },
+    /// There is a way, but the areas of the fuzzy grid are too coarse to find it.
+    #[error(
+        "a way leads to the goal, but areas of {:.2} mm are too coarse for its gaps; give a smaller --area, or --planner exact",
+        .side * 1000.0
+    )]
+    Coarse {
+        /// The side of the smallest areas tried, metres.
+        side: f64,
+    },
     /// The independent test refused the path that the planner found.
     #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
     Unsafe {
@@ -117,7 +150,13 @@ impl PlanError {
                 moved(from);
                 moved(to);
             }
-            Self::Grid(_) | Self::NoPath { .. } | Self::DiscNeedsExact => {}
+            Self::Grid(_)
+            | Self::NoPath { .. }
+            | Self::DiscNeedsExact
+            | Self::FuzzyAlone
+            | Self::RiskWeight { .. }
+            | Self::Areas { .. }
+            | Self::Coarse { .. } => {}
         }
         self
     }
@@ -137,6 +176,10 @@ impl PlanError {
             Self::Blocked { end: End::Goal, .. } => "goal_blocked",
             Self::NoPath { .. } => "no_path",
             Self::DiscNeedsExact => "disc_needs_exact",
+            Self::FuzzyAlone => "fuzzy_alone",
+            Self::RiskWeight { .. } => "bad_risk_weight",
+            Self::Areas { .. } => "bad_area",
+            Self::Coarse { .. } => "areas_too_coarse",
             Self::Unsafe { .. } => "unsafe_path",
         }
     }

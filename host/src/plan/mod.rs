@@ -4,8 +4,8 @@
 //!           ┌► MiniMatrix ─► global paths ─► entry and exit points ─► useless points dropped ┐
 //! enlarge ──┤  (the paper's: Planner::Grid, Planner::Tree)                                     ├► safety ─► plan
 //! squares   └► cells ─► portals ─► interval search   (Planner::Exact) ────────────────────────┤  test      metres
-//! inflate ───► trapezoids ─► portals ─► interval search   (Planner::Exact) ───────────────────┘
-//! disc
+//! inflate ─┬─► trapezoids ─► portals ─► interval search   (Planner::Exact) ───────────────────┤
+//! disc     └─► fuzzy grid ─► fast marching ─► taut way     (Planner::Fuzzy) ──────────────────┘
 //! ```
 //! [`plan`] shows the whole flow; [`PreparedArena`] keeps what many queries share. Every path has
 //! passed [`LegTest`], which looks at the grown boxes alone, or under inflation by a disc a test of the
@@ -20,6 +20,7 @@ mod ends;
 mod error;
 mod exact;
 mod exit;
+mod fuzzy;
 mod gap;
 mod leg_check;
 mod local_path;
@@ -34,6 +35,10 @@ pub use clearance::clearance;
 pub use cost::Cost;
 pub use disc::inflated_contours;
 pub use error::{Blocker, End, PlanError};
+pub use fuzzy::{
+    AREA_LIMIT, DEFAULT_AREA, FuzzyArea, FuzzyOptions, FuzzyStages, LARGEST_RISK_WEIGHT,
+    MembershipGrid,
+};
 pub use gap::{Gap, Side};
 pub use leg_check::LegTest;
 pub use local_path::{drop_useless_points, entry_exit_points};
@@ -57,6 +62,8 @@ pub enum Planner {
     Grid,
     /// The paper's tree of all global paths, each shortened; the shortest wins.
     Tree,
+    /// The fuzzy grid: the way that trades length for risk where edges are unsure.
+    Fuzzy,
 }
 
 impl Planner {
@@ -66,6 +73,7 @@ impl Planner {
             Self::Exact => "exact",
             Self::Grid => "grid",
             Self::Tree => "tree",
+            Self::Fuzzy => "fuzzy",
         }
     }
 }
@@ -90,14 +98,18 @@ pub struct PlanOptions {
     pub margin: f64,
     /// What makes a way good; only the exact planner looks at anything but the length.
     pub cost: Cost,
-    /// How obstacles are inflated; a disc goes with the exact planner and the length as cost alone.
+    /// How obstacles are inflated; a disc goes with the fuzzy planner, and with the exact planner and the
+    /// length as cost.
     /// `None` leaves it to [`PlanOptions::inflation_for`].
     pub inflation: Option<Inflation>,
+    /// What the fuzzy planner alone looks at.
+    pub fuzzy: FuzzyOptions,
 }
 
 impl PlanOptions {
     /// How the obstacles of `scene` are inflated: as asked for; if nobody asks, by a square as in the
-    /// paper where all of them are upright rectangles, else by a disc where the planner can do so.
+    /// paper where all of them are upright rectangles, else by a disc where the planner can do so. The
+    /// fuzzy planner always does.
     ///
     /// ```
     /// use wmr::plan::{Inflation, PlanOptions, Planner};
@@ -113,6 +125,7 @@ impl PlanOptions {
         let is_rect = |obstacle: &Obstacle| obstacle.footprint.as_rect().is_some();
         match self.inflation {
             Some(asked) => asked,
+            None if self.planner == Planner::Fuzzy => Inflation::Disc,
             None if knows_discs && !scene.obstacles.iter().all(is_rect) => Inflation::Disc,
             None => Inflation::Square,
         }
@@ -138,6 +151,8 @@ pub struct Plan {
     pub exit_leg: Option<f64>,
     /// What the grid method saw on the way.
     pub grid: Option<GridStages>,
+    /// What the fuzzy planner saw on the way.
+    pub fuzzy: Option<Box<FuzzyStages>>,
 }
 
 /// Plans the way of the robot of `scene` from `start` to `goal`.

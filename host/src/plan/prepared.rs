@@ -5,6 +5,7 @@ use super::cost::best_way;
 use super::disc::{DiscArena, NoWay};
 use super::exact::Exact;
 use super::exit::exit_point;
+use super::fuzzy::{FuzzyArena, NoFuzzyWay};
 use super::gap::{disc_gap, narrowest_gap};
 use super::paper::grid_stages;
 use super::{Blocker, Cost, End, Inflation, LegTest, Plan, PlanError, PlanOptions, Planner, ends};
@@ -25,6 +26,7 @@ pub struct PreparedArena<'a> {
 enum Method {
     Square(Box<SquareArena>),
     Disc(Box<DiscArena>),
+    Fuzzy(Box<FuzzyArena>),
 }
 
 /// An arena whose obstacles were inflated by a square.
@@ -61,7 +63,16 @@ impl<'a> PreparedArena<'a> {
     /// # Ok::<(), wmr::plan::PlanError>(())
     /// ```
     pub fn new(scene: &'a Scene, options: &'a PlanOptions) -> Result<Self, PlanError> {
+        let is_fuzzy = options.planner == Planner::Fuzzy;
         let method = match options.inflation_for(scene) {
+            inflation
+                if is_fuzzy && (inflation, options.cost) != (Inflation::Disc, Cost::Length) =>
+            {
+                return Err(PlanError::FuzzyAlone);
+            }
+            _ if is_fuzzy => {
+                Method::Fuzzy(Box::new(FuzzyArena::new(scene, options.margin, options.fuzzy)?))
+            }
             Inflation::Disc
                 if options.planner != Planner::Exact || options.cost != Cost::Length =>
             {
@@ -81,6 +92,7 @@ impl<'a> PreparedArena<'a> {
         match &mut self.method {
             Method::Square(arena) => arena.plan(self.scene, self.options, start, goal),
             Method::Disc(arena) => plan_for_disc(arena, self.scene, self.options, start, goal),
+            Method::Fuzzy(arena) => plan_fuzzy(arena, self.scene, self.options, start, goal),
         }
     }
 }
@@ -90,7 +102,7 @@ impl SquareArena {
         let arena = enlarge(scene, options.margin)?;
         let search = match options.planner {
             Planner::Exact => SquareSearch::Exact(Box::new(Exact::new(&arena))),
-            Planner::Grid | Planner::Tree => {
+            Planner::Grid | Planner::Tree | Planner::Fuzzy => {
                 let matrix = MiniMatrix::from_borders(&arena)?;
                 let live = matrix.areas().filter(|&area| matrix.is_live(area));
                 let free = live.map(|area| matrix.rect(area)).collect();
@@ -185,24 +197,60 @@ fn plan_for_disc(
     for (end, point) in [(End::Goal, goal), (End::Start, start)] {
         ends::check_within(end, point, scene.arena)?;
     }
-    let way = arena.shortest(scene, start, goal).map_err(|why| {
-        let blocked = |end: End, point: Point| PlanError::Blocked {
-            end,
-            point,
-            by: disc_blocker(arena, scene, options.margin, point),
-            nearest: arena.nearest_free(point),
-        };
-        match why {
-            NoWay::GoalBlocked => blocked(End::Goal, goal),
-            NoWay::StartBlocked => blocked(End::Start, start),
-            NoWay::Apart => PlanError::NoPath { gap: disc_gap(scene, options.margin, start, goal) },
+    let way = arena
+        .shortest(scene, start, goal)
+        .map_err(|why| no_way(why, arena, scene, options.margin, (start, goal)))?;
+    if let Err(leg) = arena.check_path(&way.waypoints, way.exits) {
+        return Err(PlanError::Unsafe { from: way.waypoints[leg], to: way.waypoints[leg + 1] });
+    }
+    let clearance = clearance(&way.waypoints, scene);
+    Ok(finished(options, Inflation::Disc, way.waypoints, clearance, way.exits))
+}
+
+/// Why nothing leads from `start` to `goal` in the arena of `scene`.
+fn no_way(
+    why: NoWay,
+    arena: &DiscArena,
+    scene: &Scene,
+    margin: f64,
+    (start, goal): (Point, Point),
+) -> PlanError {
+    let blocked = |end: End, point: Point| PlanError::Blocked {
+        end,
+        point,
+        by: disc_blocker(arena, scene, margin, point),
+        nearest: arena.nearest_free(point),
+    };
+    match why {
+        NoWay::GoalBlocked => blocked(End::Goal, goal),
+        NoWay::StartBlocked => blocked(End::Start, start),
+        NoWay::Apart => PlanError::NoPath { gap: disc_gap(scene, margin, start, goal) },
+    }
+}
+
+fn plan_fuzzy(
+    arena: &mut FuzzyArena,
+    scene: &Scene,
+    options: &PlanOptions,
+    start: Point,
+    goal: Point,
+) -> Result<Plan, PlanError> {
+    for (end, point) in [(End::Goal, goal), (End::Start, start)] {
+        ends::check_within(end, point, scene.arena)?;
+    }
+    let way = arena.plan(start, goal).map_err(|why| match why {
+        NoFuzzyWay::Coarse { side } => PlanError::Coarse { side },
+        NoFuzzyWay::Exact(why) => {
+            let (cores, exact) = arena.exact();
+            no_way(why, exact, cores, options.margin, (start, goal))
         }
     })?;
     if let Err(leg) = arena.check_path(&way.waypoints, way.exits) {
         return Err(PlanError::Unsafe { from: way.waypoints[leg], to: way.waypoints[leg + 1] });
     }
     let clearance = clearance(&way.waypoints, scene);
-    Ok(finished(options, Inflation::Disc, way.waypoints, clearance, way.exits))
+    let plan = finished(options, Inflation::Disc, way.waypoints, clearance, way.exits);
+    Ok(Plan { fuzzy: Some(Box::new(way.stages)), ..plan })
 }
 
 /// What the disc at `point` comes too near to: the obstacle it lies deepest in, or else the border.
@@ -238,6 +286,7 @@ fn finished(
         exit_leg: exits.then(|| waypoints[0].distance(waypoints[1])),
         waypoints,
         grid: None,
+        fuzzy: None,
     }
 }
 

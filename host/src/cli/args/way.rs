@@ -2,6 +2,7 @@
 
 use crate::cli::quantity;
 use clap::{Args, ValueEnum};
+use wmr::plan::FuzzyOptions;
 use wmr::scene::Goal;
 
 /// Which way is looked for.
@@ -22,6 +23,12 @@ pub(crate) struct WayArgs {
     /// How the way is looked for.
     #[arg(long, value_enum, default_value_t = PlannerName::Exact)]
     pub(crate) planner: PlannerName,
+    /// With --planner fuzzy: how many metres of detour a metre at full risk is worth, 0 to 1000.
+    #[arg(long, value_parser = quantity::risk_weight, default_value = "10", value_name = "WEIGHT")]
+    pub(crate) risk: f64,
+    /// With --planner fuzzy: the side of an area [default: 10 mm, more in a very large arena].
+    #[arg(long, value_parser = quantity::area_side, value_name = "M")]
+    pub(crate) area: Option<f64>,
     /// What makes a way good; only the exact planner looks at anything but the length.
     #[arg(long, value_enum, default_value_t = CostName::Length)]
     pub(crate) cost: CostName,
@@ -52,6 +59,8 @@ impl Default for WayArgs {
             radius: None,
             margin: None,
             planner: PlannerName::Exact,
+            risk: FuzzyOptions::default().risk,
+            area: None,
             cost: CostName::Length,
             inflation: None,
             resolution: 1.0,
@@ -87,6 +96,8 @@ pub(crate) enum PlannerName {
     Grid,
     /// The paper's tree of all global paths.
     Tree,
+    /// The fuzzy grid: trades length for risk where edges are unsure.
+    Fuzzy,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

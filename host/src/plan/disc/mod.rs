@@ -120,11 +120,7 @@ impl DiscArena {
             self.index = Some(BoxIndex::new(self.inside, &bounds));
         }
         self.was_asked = true;
-        let to = self.free_point(goal).ok_or(NoWay::GoalBlocked)?;
-        let (from, exits) = match self.free_point(start) {
-            Some(from) => (from, false),
-            None => (self.exit(scene, start, to).ok_or(NoWay::StartBlocked)?, true),
-        };
+        let (from, to, exits) = self.ends(scene, start, goal)?;
         let points = self.between(from, to).ok_or(NoWay::Apart)?;
         let mut waypoints = vec![start];
         let given = if exits { points.as_slice() } else { points.get(1..).unwrap_or_default() };
@@ -133,6 +129,34 @@ impl DiscArena {
             *last = goal;
         }
         Ok(DiscWay { waypoints, exits })
+    }
+
+    /// Where the robot is free to begin its way, and whether it is first led there from `start`.
+    ///
+    /// # Errors
+    /// [`NoWay::StartBlocked`] or [`NoWay::GoalBlocked`].
+    pub(super) fn beginning(
+        &self,
+        scene: &Scene,
+        start: Point,
+        goal: Point,
+    ) -> Result<(Point, bool), NoWay> {
+        let (from, _, exits) = self.ends(scene, start, goal)?;
+        Ok((if exits { self.fine.to_metres(from) } else { start }, exits))
+    }
+
+    /// The free points between which the way runs, and whether the first is not the start.
+    fn ends(
+        &self,
+        scene: &Scene,
+        start: Point,
+        goal: Point,
+    ) -> Result<(LatticePoint, LatticePoint, bool), NoWay> {
+        let to = self.free_point(goal).ok_or(NoWay::GoalBlocked)?;
+        match self.free_point(start) {
+            Some(from) => Ok((from, to, false)),
+            None => Ok((self.exit(scene, start, to).ok_or(NoWay::StartBlocked)?, to, true)),
+        }
     }
 
     /// Whether the way over `waypoints` is free, by the shapes alone; the index of the first leg that is
