@@ -199,13 +199,11 @@ impl Picture<'_> {
     /// One that was mostly floor, or of which no side is seen without it, does not lean: it is what remains of
     /// its outline without floor, if anything.
     fn standing(&self, tools: &Sharpener<'_>, seen: LeaningBox) -> Option<(LeaningBox, Bounded)> {
-        let bounded = tools.sharpen(seen);
+        let (seen, bounded) = tools.sharpen(seen);
         let stands = without_floor(bounded.rect, self.look);
         let large = |rect: &Rect| area(*rect) > MOST_FLOOR * area(bounded.rect);
         match stands.filter(large) {
-            Some(rect) if rect == bounded.rect => {
-                return Some((LeaningBox { base: rect, ..seen }, bounded));
-            }
+            Some(rect) if rect == bounded.rect => return Some((seen, bounded)),
             Some(rect) if tools.shown_lean(LeaningBox { base: rect, ..seen }).is_some() => {
                 return Some((LeaningBox { base: rect, ..seen }, Bounded { rect, ..bounded }));
             }
@@ -213,8 +211,7 @@ impl Picture<'_> {
         }
         let outline = tools.foot.map_or(seen.base, |foot| seen.bounds(foot));
         let flat = LeaningBox { base: without_floor(outline, self.look)?, lean: 1.0 };
-        let bounded = Sharpener { foot: None, lit: false, ..*tools }.sharpen(flat);
-        Some((LeaningBox { base: bounded.rect, ..flat }, bounded))
+        Some(Sharpener { foot: None, lit: false, ..*tools }.sharpen(flat))
     }
 
     fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {

@@ -60,6 +60,29 @@ pub(crate) fn fades_into_floor(outline: Rect, look: &Look) -> bool {
     !steps.is_empty() && steps.iter().all(|&step| step < LEAST_STEP)
 }
 
+/// Whether a patch of cells of the view goes over into the floor around it without a step, as the light does.
+///
+/// A rectangle around it would not tell: that of a thin turned wall has no edges.
+pub(super) fn goes_over_into_floor(patch: &[usize], look: &Look) -> bool {
+    let width = look.features.width();
+    let cells: std::collections::HashSet<usize> = patch.iter().copied().collect();
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for &cell in patch {
+        let (x, y) = ((cell % width) as i64, (cell / width) as i64);
+        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+            let at = |steps: i64| look.features.get(x + steps * dx, y + steps * dy);
+            let next = usize::try_from((y + dy) * width as i64 + x + dx);
+            let is_rim = next.is_ok_and(|next| !cells.contains(&next));
+            if let (true, Some(inside), Some(outside)) = (is_rim, at(0), at(ACROSS_CELLS as i64)) {
+                let square: f32 = (0..3).map(|part| (inside[part] - outside[part]).powi(2)).sum();
+                sum += square.sqrt();
+                count += 1;
+            }
+        }
+    }
+    count > 0 && sum < LEAST_STEP * count as f32
+}
+
 /// Whether a box has but one edge that can be seen and is mostly floor: a fold or a seam may pass beside a
 /// place where the light falls off.
 pub(crate) fn is_faint_floor(outline: Rect, look: &Look) -> bool {

@@ -88,8 +88,9 @@ impl Sharpener<'_> {
     /// Moves each edge of a box to where the photo shows it.
     ///
     /// Sides that face the camera are seen at their foot, the others at the top, from where the lean
-    /// leads to the foot; the lean is measured at the top edges of the sides that are seen.
-    pub(crate) fn sharpen(&self, seen: LeaningBox) -> Bounded {
+    /// leads to the foot; the lean is measured at the top edges of the sides that are seen. The box is returned
+    /// with the lean that was taken.
+    pub(crate) fn sharpen(&self, seen: LeaningBox) -> (LeaningBox, Bounded) {
         let arena = self.look.frame.arena;
         let foot = self.foot.unwrap_or(Point::new(0.0, 0.0));
         let mut seen = if self.foot.is_some() { seen } else { LeaningBox { lean: 1.0, ..seen } };
@@ -123,7 +124,7 @@ impl Sharpener<'_> {
             }
             seen.base = edges.into();
         }
-        Bounded { rect: seen.base, margin }
+        (seen, Bounded { rect: seen.base, margin })
     }
 
     /// The lean of a box whose sides can be told from its top.

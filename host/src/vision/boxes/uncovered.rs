@@ -10,7 +10,7 @@
 //! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
 
 use super::evidence::widened;
-use super::implausible::{fades_into_floor, is_part_of_robot};
+use super::implausible::{goes_over_into_floor, is_part_of_robot};
 use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::refine::Bounded;
@@ -32,6 +32,8 @@ const ROBOT_SHADOW: f64 = 2.5;
 /// How far the soft rim of a shadow reaches beyond it, and the shadow of the border onto the floor, metres.
 const HALF_SHADOW: f64 = 0.03;
 const BORDER_SHADOW: f64 = 0.08;
+/// A patch as dark as shadow is shadow where more than this share of it lies where one is cast.
+const MOSTLY_CAST: f64 = 0.75;
 /// What sticks out of a box by no more than this is a matter of its margin, metres.
 const MOST_WIDENED: f64 = 0.015;
 const MOST_WIDENED_LEANING: f64 = 0.03;
@@ -80,7 +82,7 @@ impl Explained<'_> {
                 && !is_along_wall(rect, frame.arena)
                 && !joins_opposite_sides(rect, frame.arena)
                 && !is_part_of_robot(rect, self.robot)
-                && !fades_into_floor(rect, self.look)
+                && !goes_over_into_floor(patch, self.look)
         };
         regions(&foreign)
             .iter()
@@ -148,7 +150,7 @@ impl Explained<'_> {
         let arena = self.look.frame.arena;
         if is_along_wall(rect, arena)
             || is_part_of_robot(rect, self.robot)
-            || fades_into_floor(rect, self.look)
+            || goes_over_into_floor(patch, self.look)
         {
             return;
         }
@@ -260,7 +262,7 @@ impl Explained<'_> {
             };
             let (cast, other): (Vec<usize>, Vec<usize>) =
                 patch.iter().partition(|cell| is_cast(cell));
-            let whole = cast.len() > other.len();
+            let whole = cast.len() as f64 > MOSTLY_CAST * patch.len() as f64;
             let explained = cast.iter().chain(other.iter().filter(|_| whole));
             explained.for_each(|&cell| distances.cells_mut()[cell] = 0.0);
         }
