@@ -53,6 +53,12 @@ pub(crate) struct Evidence {
     pub(crate) spread: Feature,
 }
 
+/// Cells per metre of the coarse plan view.
+pub(crate) fn coarse_scale(look: &Look) -> f64 {
+    let arena = look.frame.arena;
+    COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale)
+}
+
 impl Evidence {
     /// The evidence of a picture; without `shadows` nothing but the robot casts any.
     pub(crate) fn of(
@@ -63,8 +69,7 @@ impl Evidence {
         shadows: bool,
     ) -> Self {
         let arena = look.frame.arena;
-        let scale =
-            COARSE_SCALE.min(COARSE_CELLS / arena.width.max(arena.height)).min(look.frame.scale);
+        let scale = coarse_scale(look);
         let frame = PlanFrame { scale, ..look.frame };
         let features = plan_view(photo, map, &frame).map(feature);
         let weight = Raster::from_fn(features.width(), features.height(), |column, row| {

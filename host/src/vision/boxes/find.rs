@@ -4,13 +4,15 @@
 //! [Alghannam, Sec. II]. Here what is neither floor nor shadow is explained by boxes, and footprints
 //! are told from outlines wherever visible sides show that boxes lean.
 
-use super::evidence::Evidence;
-use super::implausible::{fades_into_floor, is_part_of_robot, is_part_of_wall};
+use super::evidence::{Evidence, coarse_scale};
+use super::footprint::without_floor;
+use super::implausible::{fades_into_floor, is_faint_floor, is_part_of_robot, is_part_of_wall};
 use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::proposals::proposals;
 use super::refine::{Bounded, Sharpener};
 use super::search::Search;
+use super::tighten::Tightener;
 use super::uncovered::Explained;
 use crate::geometry::{Point, Rect};
 use crate::scene::Obstacle;
@@ -29,6 +31,9 @@ const MOST_LEFT: f32 = 0.25;
 
 /// Another reading of shadow is taken if it leaves less than this share unexplained.
 const CLEARLY: f32 = 0.9;
+
+/// A footprint of which more than this share is plain floor is wrong.
+const MOST_FLOOR: f64 = 0.5;
 
 /// The boxes of a picture.
 pub(crate) struct Found {
@@ -159,13 +164,13 @@ impl Picture<'_> {
         let arena = self.look.frame.arena;
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let outline = |seen: &LeaningBox| seen.bounds(scene.foot.unwrap_or(middle));
-        let seen =
-            scene.boxes.into_iter().filter(|seen| !fades_into_floor(outline(seen), self.look));
+        let is_floor = |seen: &LeaningBox| {
+            let outline = outline(seen);
+            fades_into_floor(outline, self.look) || is_faint_floor(outline, self.look)
+        };
+        let seen = scene.boxes.into_iter().filter(|seen| !is_floor(seen));
         let (outlines, mut boxes): (Vec<LeaningBox>, Vec<Bounded>) = seen
-            .map(|seen| {
-                let bounded = tools.sharpen(seen);
-                (LeaningBox { base: bounded.rect, ..seen }, bounded)
-            })
+            .filter_map(|seen| self.standing(&tools, seen))
             .filter(|(_, bounded)| {
                 !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
             })
@@ -183,13 +188,41 @@ impl Picture<'_> {
         let shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
         let has_lines = explained.complete(&distances, &shapes, &mut boxes);
+        let tightener = Tightener { photo: self.photo, map: self.map, look };
+        for added in boxes.iter_mut().skip(outlines.len()) {
+            *added = tightener.tighten(*added);
+        }
         Found { boxes, shapes, leans, has_lines }
+    }
+
+    /// A box with its edges to a fraction of a pixel and without the floor that is seen in its footprint.
+    /// One that was mostly floor, or of which no side is seen without it, does not lean: it is what remains of
+    /// its outline without floor, if anything.
+    fn standing(&self, tools: &Sharpener<'_>, seen: LeaningBox) -> Option<(LeaningBox, Bounded)> {
+        let (seen, bounded) = tools.sharpen(seen);
+        let stands = without_floor(bounded.rect, self.look);
+        let large = |rect: &Rect| area(*rect) > MOST_FLOOR * area(bounded.rect);
+        match stands.filter(large) {
+            Some(rect) if rect == bounded.rect => return Some((seen, bounded)),
+            Some(rect) if tools.shown_lean(LeaningBox { base: rect, ..seen }).is_some() => {
+                return Some((LeaningBox { base: rect, ..seen }, Bounded { rect, ..bounded }));
+            }
+            _ => {}
+        }
+        let outline = tools.foot.map_or(seen.base, |foot| seen.bounds(foot));
+        let flat = LeaningBox { base: without_floor(outline, self.look)?, lean: 1.0 };
+        Some(Sharpener { foot: None, lit: false, ..*tools }.sharpen(flat))
     }
 
     fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
         let foot_error = self.viewpoint.map_or(0.0, |view| view.spread);
-        Sharpener { photo: self.photo, map: self.map, look: self.look, foot, foot_error, lit }
+        let (photo, map, look) = (self.photo, self.map, self.look);
+        Sharpener { photo, map, look, foot, foot_error, coarse: coarse_scale(look), lit }
     }
+}
+
+fn area(rect: Rect) -> f64 {
+    (rect.x1 - rect.x0) * (rect.y1 - rect.y0)
 }
 
 /// Rectangles and the footprints of boxes that were found before.

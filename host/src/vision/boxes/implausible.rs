@@ -6,7 +6,7 @@
 
 use super::refine::at;
 use crate::geometry::{Arena, Point, Rect};
-use crate::vision::appearance::{Feature, Look};
+use crate::vision::appearance::{FOREIGN, Feature, Look};
 use crate::vision::robot::RobotTop;
 
 /// The face of a wall, or its blur, is at most this wide, metres; a gap as narrow leads nowhere.
@@ -23,6 +23,8 @@ const ACROSS_CELLS: f64 = 2.0;
 /// At least one edge of a box steps by so much (natural logarithms): less than half of the 0.12 by which
 /// the faintest box on the plainest floor is foreign to it.
 const LEAST_STEP: f32 = 0.05;
+/// Of a box of which only one edge is seen at least this share is no floor.
+const LEAST_FOREIGN: f64 = 0.5;
 
 /// Whether a rectangle is as thin as the visible face of a wall and lies along one.
 pub(crate) fn is_part_of_wall(rect: Rect, arena: Arena) -> bool {
@@ -54,13 +56,61 @@ pub(crate) fn is_part_of_robot(rect: Rect, robot: Option<RobotTop>) -> bool {
 
 /// Whether no edge of an outline can be seen: then it is floor on which the light falls off.
 pub(crate) fn fades_into_floor(outline: Rect, look: &Look) -> bool {
+    let steps = steps(outline, look);
+    !steps.is_empty() && steps.iter().all(|&step| step < LEAST_STEP)
+}
+
+/// Whether a patch of cells of the view goes over into the floor around it without a step, as the light does.
+///
+/// A rectangle around it would not tell: that of a thin turned wall has no edges.
+pub(super) fn goes_over_into_floor(patch: &[usize], look: &Look) -> bool {
+    let width = look.features.width();
+    let cells: std::collections::HashSet<usize> = patch.iter().copied().collect();
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for &cell in patch {
+        let (x, y) = ((cell % width) as i64, (cell / width) as i64);
+        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+            let at = |steps: i64| look.features.get(x + steps * dx, y + steps * dy);
+            let next = usize::try_from((y + dy) * width as i64 + x + dx);
+            let is_rim = next.is_ok_and(|next| !cells.contains(&next));
+            if let (true, Some(inside), Some(outside)) = (is_rim, at(0), at(ACROSS_CELLS as i64)) {
+                let square: f32 = (0..3).map(|part| (inside[part] - outside[part]).powi(2)).sum();
+                sum += square.sqrt();
+                count += 1;
+            }
+        }
+    }
+    count > 0 && sum < LEAST_STEP * count as f32
+}
+
+/// Whether a box has but one edge that can be seen and is mostly floor: a fold or a seam may pass beside a
+/// place where the light falls off.
+pub(crate) fn is_faint_floor(outline: Rect, look: &Look) -> bool {
+    let steps = steps(outline, look);
+    let seen = steps.iter().filter(|&&step| step >= LEAST_STEP).count();
+    steps.len() > 2 && seen < 2 && foreign_share(outline, look) < LEAST_FOREIGN
+}
+
+/// How much the mean colour changes across each edge of an outline that lies on the arena.
+fn steps(outline: Rect, look: &Look) -> Vec<f32> {
     let arena = look.frame.arena;
     let across = ACROSS.max(ACROSS_CELLS / look.frame.scale);
     let edges: [f64; 4] = outline.into();
     let walls = [0.0, 0.0, arena.width, arena.height];
     let free = (0..4).filter(|&side| (edges[side] - walls[side]).abs() > 2.0 * across);
-    let mut steps = free.map(|side| step(outline, side, across, look)).peekable();
-    steps.peek().is_some() && steps.all(|step| step < LEAST_STEP)
+    free.map(|side| step(outline, side, across, look)).collect()
+}
+
+/// The share of a rectangle that is not floor.
+fn foreign_share(rect: Rect, look: &Look) -> f64 {
+    let share =
+        |i: usize, low: f64, high: f64| low + (high - low) * (i as f64 + 0.5) / PLACES as f64;
+    let is_foreign = |&index: &usize| {
+        let (x, y) = (index % PLACES, index / PLACES);
+        let point = Point::new(share(x, rect.x0, rect.x1), share(y, rect.y0, rect.y1));
+        look.difference_at(point).is_some_and(|difference| difference.lit > FOREIGN)
+    };
+    (0..PLACES * PLACES).filter(is_foreign).count() as f64 / (PLACES * PLACES) as f64
 }
 
 /// How much the mean colour changes across an edge.

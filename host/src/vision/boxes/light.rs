@@ -31,7 +31,9 @@ const LEAST_SHADOW: f64 = 0.004;
 /// The share of the shadow on the floor that the lamp must explain.
 const LEAST_SHARE: f64 = 0.5;
 /// The same if no box shows how it leans.
-const LEAST_UNTOLD: f64 = 0.8;
+const LEAST_UNTOLD: f64 = 0.95;
+/// The same less the lit part of the floor that it puts in shadow.
+const LEAST_NET: f64 = 0.4;
 /// Lamps usually hang about as high as cameras; one that does not must explain more by this share.
 const USUAL_RATIO: f64 = 1.1;
 const RATIO_SPREAD: f64 = 0.9;
@@ -88,7 +90,9 @@ impl Lamp {
         let lamp = stage.lamp(place);
         let told = leans.iter().any(Option::is_some);
         let least = if told { LEAST_SHARE } else { LEAST_UNTOLD };
-        (stage.share(lamp) > least).then_some(lamp)
+        // Cells that should be in shadow but are lit speak against the lamp.
+        let net = f64::from(stage.score(place)) * (STRIDE * STRIDE) as f64 / shaded as f64;
+        (stage.share(lamp) > least && net > LEAST_NET).then_some(lamp)
     }
 }
 

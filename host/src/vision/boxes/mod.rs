@@ -5,6 +5,7 @@ mod balance;
 mod candidates;
 mod evidence;
 mod find;
+mod footprint;
 mod implausible;
 mod light;
 mod merging;
@@ -13,6 +14,7 @@ mod proposals;
 mod refine;
 mod search;
 mod shaped;
+mod tighten;
 mod uncovered;
 
 pub(crate) use evidence::Evidence;

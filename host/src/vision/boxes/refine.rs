@@ -7,7 +7,7 @@ use super::projection::LeaningBox;
 use super::search::MOST_LEAN;
 use crate::geometry::{Arena, Point, Rect};
 use crate::scene::Obstacle;
-use crate::vision::appearance::{FOREIGN, Feature, Look, feature};
+use crate::vision::appearance::{FOREIGN, Feature, Look, SURE, feature};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, step};
 
@@ -15,8 +15,9 @@ use crate::vision::image::{Photo, step};
 const PLACES: usize = 48;
 /// Places stay this share of the edge away from its ends.
 const END_SHARE: f64 = 0.06;
-/// How far an edge may be moved, pixels.
+/// How far an edge may be moved at least, pixels, and cells of the view that it was found in.
 const REACH: f64 = 3.0;
+const REACH_CELLS: f64 = 1.0;
 /// The distance of samples, pixels.
 const SAMPLE_STEP: f64 = 0.25;
 /// The least number of places where an edge must be seen.
@@ -39,6 +40,8 @@ const UNGUESSED_REACH: f64 = 0.07;
 const UNGUESSED_CONTRAST: f64 = 0.15;
 /// Two faces differ by at least this much, a natural logarithm.
 const FACE_CONTRAST: f64 = 0.10;
+/// Before the step at its end a side changes by at most this share of it.
+const EVEN_SIDE: f32 = 0.5;
 /// Sides farther from the foot point than this, metres, say no more of the lean.
 const GUESS_DISTANCE: f64 = 0.3;
 /// How much lower than measured a lean may be: at least so much, or a share of what it exceeds 1 by where
@@ -75,6 +78,8 @@ pub(crate) struct Sharpener<'a> {
     pub(crate) foot: Option<Point>,
     /// How far that may be off, metres.
     pub(crate) foot_error: f64,
+    /// Cells per metre of the view that boxes were found in.
+    pub(crate) coarse: f64,
     /// Whether the lamp is known, so that shadows tell the lean of boxes.
     pub(crate) lit: bool,
 }
@@ -83,8 +88,9 @@ impl Sharpener<'_> {
     /// Moves each edge of a box to where the photo shows it.
     ///
     /// Sides that face the camera are seen at their foot, the others at the top, from where the lean
-    /// leads to the foot; the lean is measured at the top edges of the sides that are seen.
-    pub(crate) fn sharpen(&self, seen: LeaningBox) -> Bounded {
+    /// leads to the foot; the lean is measured at the top edges of the sides that are seen. The box is returned
+    /// with the lean that was taken.
+    pub(crate) fn sharpen(&self, seen: LeaningBox) -> (LeaningBox, Bounded) {
         let arena = self.look.frame.arena;
         let foot = self.foot.unwrap_or(Point::new(0.0, 0.0));
         let mut seen = if self.foot.is_some() { seen } else { LeaningBox { lean: 1.0, ..seen } };
@@ -118,7 +124,7 @@ impl Sharpener<'_> {
             }
             seen.base = edges.into();
         }
-        Bounded { rect: seen.base, margin }
+        (seen, Bounded { rect: seen.base, margin })
     }
 
     /// The lean of a box whose sides can be told from its top.
@@ -128,6 +134,14 @@ impl Sharpener<'_> {
 
     fn scale(&self, rect: Rect, side: usize) -> f64 {
         self.map.scale_at(middle(rect, side)).max(1e-6)
+    }
+
+    /// How far an edge is sought from where it was found, pixels: where the photo is finer than the plan view
+    /// as far as a cell of that, but less than a third across the rectangle.
+    fn reach(&self, rect: Rect, side: usize) -> f64 {
+        let scale = self.scale(rect, side);
+        let across = if side.is_multiple_of(2) { rect.x1 - rect.x0 } else { rect.y1 - rect.y0 };
+        (REACH_CELLS * scale / self.coarse).min(across * scale / 3.0).max(REACH)
     }
 
     /// Measures the feet of the sides that face the camera.
@@ -144,7 +158,7 @@ impl Sharpener<'_> {
                 rect: (*edges).into(),
                 side,
                 scale: self.scale(seen.base, side),
-                reach: REACH,
+                reach: self.reach(seen.base, side),
             };
             let place = view.place();
             margin[side] = edge_margin(place.is_some(), view.scale);
@@ -169,7 +183,7 @@ impl Sharpener<'_> {
                 rect: top,
                 side,
                 scale: self.scale(seen.base, side),
-                reach: REACH,
+                reach: self.reach(top, side),
             };
             let place = view.place();
             margin[side] = edge_margin(place.is_some(), view.scale);
@@ -193,15 +207,15 @@ impl Sharpener<'_> {
             .filter_map(|side| self.side_view(seen, foot, side))
             .collect();
         let total: f64 = views.iter().map(|view| view.weight).sum();
+        let guessed = seen.lean > LEAST_GUESS;
         let clarity = |index: usize| {
             let lean = 1.0 + index as f64 * LEAN_STEP;
-            views.iter().map(|view| view.weight * view.clarity_at(lean)).sum::<f64>()
+            views.iter().map(|view| view.weight * view.clarity_at(lean, !guessed)).sum::<f64>()
                 / total.max(1e-9)
         };
         let clarities: Vec<f64> =
             (0..((MOST_LEAN - 1.0) / LEAN_STEP) as usize).map(clarity).collect();
         let guess = ((seen.lean - 1.0) / LEAN_STEP).round() as usize;
-        let guessed = seen.lean > LEAST_GUESS;
         let (reach, least) = if guessed {
             (GUESS_REACH, FACE_CONTRAST)
         } else {
@@ -240,8 +254,14 @@ impl Sharpener<'_> {
             }
             feature(sum.map(|value| value / (PLACES / 2) as f32))
         });
+        let colours: Vec<Feature> = colours.collect();
+        let foot_of_side = at(seen.base, side, 0.5, 0.0);
+        let is_floor =
+            |&colour: &Feature| self.look.floor.difference(foot_of_side, colour).lit < SURE;
+        let floor = colours.iter().map(is_floor).collect();
         Some(SideView {
-            colours: colours.collect(),
+            colours,
+            floor,
             distance: distance * scale,
             weight: length * distance.min(GUESS_DISTANCE),
         })
@@ -251,17 +271,25 @@ impl Sharpener<'_> {
 /// The colours from the foot of a visible side inwards, one sample every [`SIDE_STEP`] pixels.
 struct SideView {
     colours: Vec<Feature>,
+    /// Which of them are those of lit floor.
+    floor: Vec<bool>,
     /// From the camera's foot point to the side's foot, pixels.
     distance: f64,
     weight: f64,
 }
 
 impl SideView {
-    /// How clearly a side ends at a lean: by the step there, and by the faces on both sides of it.
-    fn clarity_at(&self, lean: f64) -> f64 {
+    /// How clearly a side ends at a lean: by the step there, and by the faces on both sides of it. Where
+    /// nothing else speaks for a side it must be `even` up to there.
+    fn clarity_at(&self, lean: f64, even: bool) -> f64 {
         let end = ((lean - 1.0) * self.distance / SIDE_STEP).round() as usize;
         let (first, blur) = ((FOOT_BLUR / SIDE_STEP) as usize, (FACE_BLUR / SIDE_STEP) as usize);
         if end < first + 2 * blur || end + 2 * blur >= self.colours.len() {
+            return 0.0;
+        }
+        // Floor before something dark is no side of it.
+        let side = self.floor.get(first..=end - blur).unwrap_or(&[]);
+        if 2 * side.iter().filter(|&&is_floor| is_floor).count() > side.len() {
             return 0.0;
         }
         let mean = |from: usize, to: usize| {
@@ -274,8 +302,13 @@ impl SideView {
             mean(first, end - blur + 1),
             mean(end + blur, end + blur + (end - first).max(2 * blur)),
         );
-        let step = distance(self.colours[end - blur], self.colours[end + blur]);
-        f64::from(faces.min(step))
+        let change =
+            |middle: usize| distance(self.colours[middle - blur], self.colours[middle + blur]);
+        let step = change(end);
+        // A side is even up to where the top begins; blur and gloss change all the way.
+        let before =
+            (first + blur..(end + 1).saturating_sub(2 * blur)).map(change).fold(0.0, f32::max);
+        if even && before > EVEN_SIDE * step { 0.0 } else { f64::from(faces.min(step)) }
     }
 }
 
@@ -379,7 +412,7 @@ impl EdgeView<'_> {
             let point = at(self.rect, self.side, along, outward / self.scale);
             self.tools.look.difference_at(point).map(|difference| difference.floor)
         };
-        let outside = difference(REACH).is_some_and(|value| value < FOREIGN);
-        outside && difference(-REACH).is_some_and(|value| value > FOREIGN)
+        let outside = difference(self.reach).is_some_and(|value| value < FOREIGN);
+        outside && difference(-self.reach).is_some_and(|value| value > FOREIGN)
     }
 }

@@ -20,6 +20,9 @@ use crate::vision::plan_view::PlanFrame;
 const WELL_EXPLAINED: f64 = 0.93;
 /// A shape replaces them if it shares so much more.
 const CLEARLY_BETTER: f64 = 0.03;
+/// The same where nothing leans and no light casts shadows.
+const PLAINLY_EXPLAINED: f64 = 0.97;
+const PLAINLY_BETTER: f64 = 0.01;
 /// One that is not turned replaces them only where they are plainly wrong, and no known light is at work.
 const MUCH_BETTER: f64 = 0.1;
 /// A box belongs to a patch if so much of it lies there.
@@ -81,14 +84,20 @@ impl Patches<'_> {
             both / any
         };
         let explained = agreement(&in_boxes);
-        if explained > WELL_EXPLAINED {
+        // Where nothing leans and no light casts shadows what is seen is what stands there.
+        let is_plain = self.foot.is_none() && !self.is_lit;
+        if explained > if is_plain { PLAINLY_EXPLAINED } else { WELL_EXPLAINED } {
             return None;
         }
         let fitted = self.fitted(patch.len(), &window)?;
         let better = agreement(&|at| fitted.shape.contains(at));
         let encloses = fitted.shape.area() * self.frame.scale.powi(2) / patch.len() as f64;
         let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
-        let gain = if is_turned { CLEARLY_BETTER } else { MUCH_BETTER };
+        let gain = match is_turned {
+            _ if is_plain => PLAINLY_BETTER,
+            true => CLEARLY_BETTER,
+            false => MUCH_BETTER,
+        };
         let is_taken = better > explained + gain
             && encloses < MOST_ENCLOSED
             && (is_turned || !self.is_lit)

@@ -10,7 +10,7 @@
 //! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
 
 use super::evidence::widened;
-use super::implausible::{fades_into_floor, is_part_of_robot};
+use super::implausible::{goes_over_into_floor, is_part_of_robot};
 use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::refine::Bounded;
@@ -29,6 +29,11 @@ const BOX_BLUR: f64 = 1.5;
 /// How much larger than the robot's top the disc is in which nothing counts, with its shadow.
 const ROBOT_RIM: f64 = 1.35;
 const ROBOT_SHADOW: f64 = 2.5;
+/// How far the soft rim of a shadow reaches beyond it, and the shadow of the border onto the floor, metres.
+const HALF_SHADOW: f64 = 0.03;
+const BORDER_SHADOW: f64 = 0.08;
+/// A patch as dark as shadow is shadow where more than this share of it lies where one is cast.
+const MOSTLY_CAST: f64 = 0.75;
 /// What sticks out of a box by no more than this is a matter of its margin, metres.
 const MOST_WIDENED: f64 = 0.015;
 const MOST_WIDENED_LEANING: f64 = 0.03;
@@ -77,7 +82,7 @@ impl Explained<'_> {
                 && !is_along_wall(rect, frame.arena)
                 && !joins_opposite_sides(rect, frame.arena)
                 && !is_part_of_robot(rect, self.robot)
-                && !fades_into_floor(rect, self.look)
+                && !goes_over_into_floor(patch, self.look)
         };
         regions(&foreign)
             .iter()
@@ -145,7 +150,7 @@ impl Explained<'_> {
         let arena = self.look.frame.arena;
         if is_along_wall(rect, arena)
             || is_part_of_robot(rect, self.robot)
-            || fades_into_floor(rect, self.look)
+            || goes_over_into_floor(patch, self.look)
         {
             return;
         }
@@ -212,7 +217,9 @@ impl Explained<'_> {
         let (frame, features) = (&self.look.view, &self.look.features);
         let border = (BORDER_CELLS / frame.scale).max(BORDER_METRES);
         let width = features.width();
-        Raster::from_fn(width, features.height(), |column, row| {
+        let mut shaded = Raster::filled(width, features.height(), false);
+        let mut floors = Raster::filled(width, features.height(), 0.0_f32);
+        let judged = Raster::from_fn(width, features.height(), |column, row| {
             let point = frame.point(column as f64, row as f64);
             if self.look.floor.inside(point) < border || self.look.is_bright_floor(point) {
                 return 0.0;
@@ -223,9 +230,52 @@ impl Explained<'_> {
             if difference.lit <= FOREIGN || self.is_of_robot(point) || is_left_out() {
                 return 0.0;
             }
-            let floor = difference.floor;
-            if self.is_in_shadow(point) { floor } else { difference.lit }
-        })
+            floors.set(column as i64, row as i64, difference.floor);
+            if difference.floor <= FOREIGN {
+                shaded.set(column as i64, row as i64, true);
+            }
+            difference.lit
+        });
+        self.without_shadow(judged, &floors, &shaded)
+    }
+
+    /// Distances with 0 for the cells of shadow: of those that are as dark as shadow the patches most of
+    /// which lie where a known light source or the robot casts one, and what of the others lies there.
+    fn without_shadow(
+        &self,
+        mut distances: Raster<f32>,
+        floors: &Raster<f32>,
+        shaded: &Raster<bool>,
+    ) -> Raster<f32> {
+        let width = distances.width();
+        let casts: Vec<(LeaningBox, Point)> = self
+            .lamp
+            .iter()
+            .flat_map(|lamp| {
+                self.boxes.iter().filter_map(|&seen| Some((lamp.shadow(seen)?, lamp.foot)))
+            })
+            .collect();
+        for patch in regions(shaded) {
+            let is_cast = |cell: &usize| {
+                let (column, row) = (cell % width, cell / width);
+                self.is_in_shadow(self.look.view.point(column as f64, row as f64), &casts)
+            };
+            let (cast, other): (Vec<usize>, Vec<usize>) =
+                patch.iter().partition(|cell| is_cast(cell));
+            let whole = cast.len() as f64 > MOSTLY_CAST * patch.len() as f64;
+            let explained = cast.iter().chain(other.iter().filter(|_| whole));
+            explained.for_each(|&cell| distances.cells_mut()[cell] = 0.0);
+        }
+        for cell in 0..distances.cells().len() {
+            let floor = floors.cells()[cell];
+            if floor > FOREIGN && floor < distances.cells()[cell] {
+                let point = self.look.view.point((cell % width) as f64, (cell / width) as f64);
+                if self.is_in_shadow(point, &casts) {
+                    distances.cells_mut()[cell] = floor;
+                }
+            }
+        }
+        distances
     }
 
     fn is_of_robot(&self, point: Point) -> bool {
@@ -237,10 +287,13 @@ impl Explained<'_> {
         self.boxes.iter().any(|seen| seen.spans(self.foot, point, blur))
     }
 
-    /// Whether a known light source or the robot may cast a shadow there.
-    fn is_in_shadow(&self, point: Point) -> bool {
+    /// Whether the shadow of a box, of the border or of the robot may lie there.
+    fn is_in_shadow(&self, point: Point, casts: &[(LeaningBox, Point)]) -> bool {
         let near = |top: RobotTop| top.centre.distance(point) < ROBOT_SHADOW * top.radius;
-        self.lamp.is_some() || self.robot.is_some_and(near)
+        let of_border = self.lamp.is_some() && self.look.floor.inside(point) < BORDER_SHADOW;
+        of_border
+            || self.robot.is_some_and(near)
+            || casts.iter().any(|&(shadow, foot)| shadow.spans(Some(foot), point, HALF_SHADOW))
     }
 }
 
