@@ -12,7 +12,7 @@ use wmr::map::{CellMap, MapError, RosHead};
 use wmr::picture::vision::{NamedPicture, vision_pictures};
 use wmr::plan_file::PlanFile;
 use wmr::scene::{DEFAULT_ROBOT_RADIUS, Goal, Scene};
-use wmr::vision::{self, Camera, DetectOptions, Detection, Method};
+use wmr::vision::{self, Camera, DetectOptions, Detection, Method, Photo};
 
 /// What a file holds.
 #[derive(Debug)]
@@ -218,11 +218,21 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
         camera: args.camera.as_deref().map(read_camera).transpose()?,
+        empty: args.empty.as_deref().map(read_empty).transpose()?,
         ..DetectOptions::default()
     };
     let started = Instant::now();
     let detection = vision::detect(&photo, arena, &options)?;
     Ok(SeenPhoto { bytes, arena, detection, decode_time, detect_time: started.elapsed() })
+}
+
+/// The picture of the empty arena; an error names it, for there are two pictures.
+fn read_empty(path: &Path) -> Result<Photo, CliError> {
+    let bytes = read_bytes(path)?;
+    vision::decode(&bytes).map_err(|error| {
+        let error = CliError::from(error);
+        CliError { message: format!("{}: {}", path.display(), error.message), ..error }
+    })
 }
 
 /// A camera file: the camera stands under `main`.

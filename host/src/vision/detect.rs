@@ -7,6 +7,7 @@ use crate::vision::appearance::Look;
 use crate::vision::border::{self, check_arena, given};
 use crate::vision::boxes::{self, Bounded, Found, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
+use crate::vision::empty::over_even_floor;
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
 use crate::vision::marks::{Marks, known_top};
@@ -74,6 +75,8 @@ pub struct DetectOptions {
     pub robot_height: f64,
     /// Whether the pictures of the steps are kept.
     pub keep_steps: bool,
+    /// A picture of the empty arena by the same camera: the floor is then what it shows.
+    pub empty: Option<Photo>,
 }
 
 impl Default for DetectOptions {
@@ -90,6 +93,7 @@ impl Default for DetectOptions {
             robot_radius: PAPER_RADIUS,
             robot_height: USUAL_ROBOT_HEIGHT,
             keep_steps: false,
+            empty: None,
         }
     }
 }
@@ -147,6 +151,9 @@ pub fn detect(
     let mut warnings = Vec::new();
     let marks = Marks::of(photo, options);
     let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
+    let even = options.empty.as_ref().and_then(|empty| over_even_floor(photo, empty, &map, arena));
+    let taken = photo;
+    let photo = even.as_ref().unwrap_or(taken);
     let look = match options.method {
         Method::Robust => Look::at(photo, &map, arena),
         Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),

@@ -31,6 +31,10 @@ pub(crate) struct VisionArgs {
     /// under "a" and "b".
     #[arg(long, value_name = "FILE")]
     pub(crate) camera: Option<PathBuf>,
+    /// A picture of the empty arena by the same camera, which has not moved since: what differs from it is an
+    /// obstacle, whatever the floor looks like.
+    #[arg(long, value_name = "PHOTO")]
+    pub(crate) empty: Option<PathBuf>,
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,
