@@ -7,7 +7,7 @@ use crate::vision::appearance::Look;
 use crate::vision::border::{self, check_arena, given};
 use crate::vision::boxes::{self, Bounded, Found, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
-use crate::vision::empty::over_even_floor;
+use crate::vision::empty::{check_still, over_even_floor};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
 use crate::vision::marks::{Marks, known_top};
@@ -149,6 +149,9 @@ pub fn detect(
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
     let mut warnings = Vec::new();
+    if let Some(empty) = &options.empty {
+        check_still(photo, empty)?;
+    }
     let marks = Marks::of(photo, options);
     let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
     let even = options.empty.as_ref().and_then(|empty| over_even_floor(photo, empty, &map, arena));
@@ -167,7 +170,11 @@ pub fn detect(
     let radius = options.robot_radius;
     let marked = match tagged {
         Some(pose) => Some(known_top(pose, radius)),
-        None => robot::find(photo, &map, &look, radius),
+        None => robot::find(photo, &map, &look, radius).or_else(|| {
+            even.as_ref()?;
+            let rough = Look::no_finer(taken, &map, arena, ROBOT_CELLS / radius)?;
+            robot::find(taken, &map, &rough, radius)
+        }),
     };
     let top = marked.or(options.robot_at.map(|pose| known_top(pose, radius)));
     warnings.extend(marks.missing(options));
@@ -245,7 +252,11 @@ fn locate(
     if let Some(point) = options.tags {
         return Ok((given(photo, arena, tags::corners(&marks.corners(), point)?)?, 1.0));
     }
-    let border = border::find(photo, &small, arena)?;
+    let border = match &options.empty {
+        // Nothing stands before its border.
+        Some(empty) => border::find(empty, &empty.reduced(empty.overview_factor()), arena)?,
+        None => border::find(photo, &small, arena)?,
+    };
     warnings.extend(rough_border(border.residual));
     Ok((border.map, border.score))
 }

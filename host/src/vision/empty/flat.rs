@@ -5,19 +5,26 @@
 //! logarithms of linear light for each channel: p photo, e empty picture, q illumination between them, s the
 //! floor without its pattern, w how surely a pixel has changed (0 to 1), g the grey of the even floor.
 //!
-//! `ln result = g + p − q − (1 − w) e − w s`
+//! `ln result = g + c + w (e − s)` with the change `c = p − e − q`
+//!
+//! In dark places of the empty picture a code more or less is much of the light: changes are brought nearer
+//! to none by as much, and what remains is no change unless its neighbours changed too.
 
 use super::illumination::{DARK_LIGHT, Illumination};
-use crate::geometry::Arena;
+use crate::geometry::{Arena, Point};
 use crate::vision::appearance::turned;
 use crate::vision::camera::PlanMap;
-use crate::vision::image::{Photo, srgb_code};
+use crate::vision::image::{Photo, Raster, runs, srgb_code};
 
-/// The light of the even floor: what is four times as bright is still told from it.
-const GREY: f32 = 0.25;
+/// The even floor is as light as the true one, but within these bounds: shadow on a darker one would be noise,
+/// and what is brighter than a lighter one would be burnt out.
+const GREY: [f32; 2] = [0.35, 0.85];
 /// Logarithms of light from here on in steps are brought to codes by a table.
 const DARKEST: f32 = -6.0;
 const STEPS: f32 = 256.0;
+/// Codes that noise and compression may make of a light, and the change that they make of most.
+const NOISE_CODES: usize = 3;
+const USUAL_NOISE: f32 = 0.03;
 /// Shadow leaves at least this share of the light, a logarithm.
 const DEEPEST: f32 = -1.4;
 /// Light that leaves so much chroma as it was may be shadow; with twice as much it is none. Deeper shadow is
@@ -27,6 +34,15 @@ const TINT: f32 = 0.12;
 /// What is brighter than the empty floor by so much has changed; by half as much it may be noise.
 const BRIGHTER: f32 = 0.2;
 
+/// A channel whose light changed by less is that of the floor.
+const LEAST_CHANGE: f32 = 0.1;
+/// What is smaller than this is no thing: square metres, and pixels.
+const LEAST_AREA: f64 = 1e-4;
+const LEAST_PIXELS: f64 = 6.0;
+
+/// The changes along a row of pixels.
+type Line = Vec<[f32; 3]>;
+
 /// The photo over an even floor; `None` if nothing of the two pictures can be compared.
 pub(crate) fn over_even_floor(
     photo: &Photo,
@@ -35,43 +51,112 @@ pub(crate) fn over_even_floor(
     arena: Arena,
 ) -> Option<Photo> {
     let light = Illumination::between(photo, empty, map, arena)?;
-    let logs = photo.code_lights().map(|value| (value + DARK_LIGHT).ln());
-    let codes = codes();
-    let width = photo.width();
-    let (mut ratio, mut floor) = (vec![[0.0; 3]; width], vec![[0.0; 3]; width]);
-    let mut pixels = Vec::with_capacity(photo.pixels().len());
-    let rows = photo.pixels().chunks_exact(width).zip(empty.pixels().chunks_exact(width));
-    for (y, (seen, before)) in rows.enumerate() {
-        light.ratio.row(y, &mut ratio);
-        light.floor.row(y, &mut floor);
+    let difference = Comparison::of(photo, empty, light);
+    let (width, height) = (photo.width(), photo.height());
+    let codes = codes(difference.light.brightness().clamp(GREY[0], GREY[1]));
+    let mut lines: [Line; 3] = [0, 0, 1].map(|y| difference.line(y));
+    let mut patterns = vec![[0.0; 3]; width];
+    let mut pixels = Vec::with_capacity(width * height);
+    let mut differs = Vec::with_capacity(width * height);
+    for y in 0..height {
+        difference.patterns(y, &mut patterns);
         for x in 0..width {
-            let change: [f32; 3] = std::array::from_fn(|part| {
-                let (p, e) = (seen[x][part], before[x][part]);
-                let change =
-                    logs[usize::from(p)] - logs[usize::from(e)] - ratio[x][part];
-                // Of light beyond white nobody knows how much it is.
-                if p == u8::MAX || e == u8::MAX { unburnt(change, p, e) } else { change }
-            });
-            let w = changed(change);
+            let own = lines[1][x];
+            differs.push(own.into_iter().any(|part| part.abs() > LEAST_CHANGE));
+            let w = match changed(own) {
+                w if w > 0.0 => w.min(changed(around(&lines, x))),
+                w => w,
+            };
             pixels.push(std::array::from_fn(|part| {
-                let pattern = logs[usize::from(before[x][part])] - floor[x][part];
-                let log = change[part] + w * pattern;
+                let log = own[part] + w * patterns[x][part];
                 let index = ((log - DARKEST) * STEPS).max(0.0) as usize;
                 codes[index.min(codes.len() - 1)]
             }));
         }
+        lines.rotate_left(1);
+        lines[2] = difference.line((y + 2).min(height - 1));
     }
+    let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+    let least = (LEAST_AREA * map.scale_at(middle).powi(2)).max(LEAST_PIXELS);
+    let even = codes[((-DARKEST * STEPS) as usize).min(codes.len() - 1)];
+    sweep(&mut pixels, &Raster::from_cells(width, differs), least, [even; 3]);
     Some(photo.with_pixels(pixels))
 }
 
-/// A change of which photo (`p`) or empty picture (`e`) is burnt out: none if it may be none.
-fn unburnt(change: f32, p: u8, e: u8) -> f32 {
-    let low = if e == u8::MAX { change.max(0.0).min(0.0).min(change) } else { change };
-    match (p, e) {
-        (u8::MAX, _) if low < 0.0 => 0.0,
-        (_, u8::MAX) if low > 0.0 => 0.0,
-        _ => low,
+/// Makes regions floor that differ from it and are smaller than `least` pixels: nothing to drive into.
+fn sweep(pixels: &mut [[u8; 3]], differs: &Raster<bool>, least: f64, floor: [u8; 3]) {
+    let (runs, count) = runs(differs, true);
+    let mut areas = vec![0; count + 1];
+    runs.iter().for_each(|run| areas[run.region as usize] += run.end - run.start);
+    for run in runs.iter().filter(|run| (areas[run.region as usize] as f64) < least) {
+        let row = run.row * differs.width();
+        pixels[row + run.start..row + run.end].fill(floor);
     }
+}
+
+/// Two pictures and the light between them.
+struct Comparison<'a> {
+    photo: &'a Photo,
+    empty: &'a Photo,
+    light: Illumination,
+    /// The logarithm of every code's light, and how much of it noise may be.
+    logs: [f32; 256],
+    noise: [f32; 256],
+}
+
+impl<'a> Comparison<'a> {
+    fn of(photo: &'a Photo, empty: &'a Photo, light: Illumination) -> Self {
+        let logs = photo.code_lights().map(|value| (value + DARK_LIGHT).ln());
+        let noise = std::array::from_fn(|code: usize| {
+            let above = logs[(code + NOISE_CODES).min(255)];
+            (above - logs[code] - USUAL_NOISE).max(0.0)
+        });
+        Self { photo, empty, light, logs, noise }
+    }
+
+    /// The changes along row `y`.
+    fn line(&self, y: usize) -> Line {
+        let width = self.photo.width();
+        let mut line = vec![[0.0; 3]; width];
+        self.light.ratio.row(y, &mut line);
+        let row = |photo: &'a Photo| photo.pixels().chunks_exact(width).nth(y).unwrap_or(&[]);
+        for ((change, seen), before) in line.iter_mut().zip(row(self.photo)).zip(row(self.empty)) {
+            *change =
+                std::array::from_fn(|part| self.change(seen[part], before[part], change[part]));
+        }
+        line
+    }
+
+    /// The change of a channel from code `e` to code `p` at a ratio of light `q`.
+    fn change(&self, p: u8, e: u8, q: f32) -> f32 {
+        let change = self.logs[usize::from(p)] - self.logs[usize::from(e)] - q;
+        // Of light beyond white nobody knows how much it is.
+        if p == u8::MAX && change < 0.0 || e == u8::MAX && change > 0.0 {
+            return 0.0;
+        }
+        let noise = self.noise[usize::from(e)];
+        change - change.clamp(-noise, noise)
+    }
+
+    /// How the empty picture differs along row `y` from the floor without its pattern.
+    fn patterns(&self, y: usize, line: &mut [[f32; 3]]) {
+        self.light.floor.row(y, line);
+        let row = self.empty.pixels().chunks_exact(line.len()).nth(y).unwrap_or(&[]);
+        for (pattern, codes) in line.iter_mut().zip(row) {
+            *pattern =
+                std::array::from_fn(|part| self.logs[usize::from(codes[part])] - pattern[part]);
+        }
+    }
+}
+
+/// The mean change of a pixel of the middle line and its neighbours.
+fn around(lines: &[Line; 3], x: usize) -> [f32; 3] {
+    let (first, last) = (x.saturating_sub(1), (x + 1).min(lines[1].len() - 1));
+    let mut sum = [0f32; 3];
+    for change in lines.iter().flat_map(|line| &line[first..=last]) {
+        sum.iter_mut().zip(change).for_each(|(sum, value)| *sum += value);
+    }
+    sum.map(|sum| sum / (lines.len() * (last - first + 1)) as f32)
 }
 
 /// How surely something stands at a pixel whose light has changed so: it is neither floor nor shadow.
@@ -84,8 +169,8 @@ fn changed(change: [f32; 3]) -> f32 {
     (tint.max(bright).max(dark) - 1.0).clamp(0.0, 1.0)
 }
 
-/// The codes of logarithms of light relative to the floor's.
-fn codes() -> Vec<u8> {
-    let count = ((-GREY.ln() - DARKEST) * STEPS) as usize + 1;
-    (0..count).map(|index| srgb_code(GREY * (DARKEST + index as f32 / STEPS).exp())).collect()
+/// The codes of logarithms of light relative to that of a floor of the light `grey`.
+fn codes(grey: f32) -> Vec<u8> {
+    let count = ((-grey.ln() - DARKEST) * STEPS) as usize + 1;
+    (0..count).map(|index| srgb_code(grey * (DARKEST + index as f32 / STEPS).exp())).collect()
 }

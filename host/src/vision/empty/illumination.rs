@@ -6,7 +6,7 @@
 //! boxes, shadows and the robot do not pull it: the model is that of the floor's colour.
 
 use crate::geometry::{Arena, Point};
-use crate::vision::appearance::{FloorModel, turned, turned_back};
+use crate::vision::appearance::{FloorModel, median, turned, turned_back};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::Photo;
 
@@ -68,6 +68,16 @@ impl Illumination {
             Field::of(photo, |pixel| turned_back(model.lit(map.to_floor(pixel))))
         };
         Some(Self { ratio: field(&ratio), floor: field(&floor) })
+    }
+}
+
+impl Illumination {
+    /// How light the photo shows the floor, 0 to 1: the brightness in the middle of the arena's range.
+    pub(super) fn brightness(&self) -> f32 {
+        let lights = self.ratio.nodes.iter().zip(&self.floor.nodes);
+        let mut logs: Vec<f32> =
+            lights.map(|(ratio, floor)| turned(*ratio)[0] + turned(*floor)[0]).collect();
+        median(&mut logs).exp()
     }
 }
 

@@ -11,5 +11,7 @@
 
 mod flat;
 mod illumination;
+mod motion;
 
 pub(crate) use flat::over_even_floor;
+pub(crate) use motion::check_still;
