@@ -75,7 +75,8 @@ pub struct DetectOptions {
     pub robot_height: f64,
     /// Whether the pictures of the steps are kept.
     pub keep_steps: bool,
-    /// A picture of the empty arena by the same camera: the floor is then what it shows.
+    /// A picture of the empty arena by the same camera, which has not moved since: the floor is then what it
+    /// shows. The paper's method does without.
     pub empty: Option<Photo>,
 }
 
@@ -154,7 +155,8 @@ pub fn detect(
     }
     let marks = Marks::of(photo, options);
     let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
-    let even = options.empty.as_ref().and_then(|empty| over_even_floor(photo, empty, &map, arena));
+    let empty = options.empty.as_ref().filter(|_| options.method == Method::Robust);
+    let even = empty.and_then(|empty| over_even_floor(photo, empty, &map, arena));
     let taken = photo;
     let photo = even.as_ref().unwrap_or(taken);
     let look = match options.method {

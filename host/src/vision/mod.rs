@@ -54,6 +54,7 @@ mod tags;
 pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
 pub use detect::{DetectOptions, Detection, Method, detect};
+pub use empty::check_still;
 pub use error::VisionError;
 pub use image::{
     CellRect, MAX_PIXELS, Photo, Raster, check_picture, decode, rectangles, srgb_code,

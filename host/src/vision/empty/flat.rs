@@ -7,8 +7,9 @@
 //!
 //! `ln result = g + c + w (e − s)` with the change `c = p − e − q`
 //!
-//! In dark places of the empty picture a code more or less is much of the light: changes are brought nearer
-//! to none by as much, and what remains is no change unless its neighbours changed too.
+//! In dark places of the empty picture a code more or less is much of the light, and beside its edges a tenth
+//! of a pixel is: changes are brought nearer to none by as much. What remains is no change unless its
+//! neighbours changed too, and small regions of it are swept away.
 
 use super::illumination::{DARK_LIGHT, Illumination};
 use crate::geometry::{Arena, Point};
@@ -25,6 +26,8 @@ const STEPS: f32 = 256.0;
 /// Codes that noise and compression may make of a light, and the change that they make of most.
 const NOISE_CODES: usize = 3;
 const USUAL_NOISE: f32 = 0.03;
+/// Light falls a little beside where it did, by blur, compression and the lens: pixels.
+const STRAY: f32 = 0.15;
 /// Shadow leaves at least this share of the light, a logarithm.
 const DEEPEST: f32 = -1.4;
 /// Light that leaves so much chroma as it was may be shadow; with twice as much it is none. Deeper shadow is
@@ -119,22 +122,33 @@ impl<'a> Comparison<'a> {
         let width = self.photo.width();
         let mut line = vec![[0.0; 3]; width];
         self.light.ratio.row(y, &mut line);
-        let row = |photo: &'a Photo| photo.pixels().chunks_exact(width).nth(y).unwrap_or(&[]);
-        for ((change, seen), before) in line.iter_mut().zip(row(self.photo)).zip(row(self.empty)) {
-            *change =
-                std::array::from_fn(|part| self.change(seen[part], before[part], change[part]));
+        let row =
+            |photo: &'a Photo, y: usize| photo.pixels().chunks_exact(width).nth(y).unwrap_or(&[]);
+        let (seen, before) = (row(self.photo, y), row(self.empty, y));
+        let last = self.photo.height() - 1;
+        let beside = [row(self.empty, y.saturating_sub(1)), row(self.empty, (y + 1).min(last))];
+        for (x, change) in line.iter_mut().enumerate() {
+            let (left, right) = (before[x.saturating_sub(1)], before[(x + 1).min(width - 1)]);
+            *change = std::array::from_fn(|part| {
+                let step =
+                    |a: u8, b: u8| (self.logs[usize::from(a)] - self.logs[usize::from(b)]).abs();
+                let slope =
+                    step(left[part], right[part]) + step(beside[0][x][part], beside[1][x][part]);
+                self.change(seen[x][part], before[x][part], change[part], STRAY * slope)
+            });
         }
         line
     }
 
-    /// The change of a channel from code `e` to code `p` at a ratio of light `q`.
-    fn change(&self, p: u8, e: u8, q: f32) -> f32 {
+    /// The change of a channel from code `e` to code `p` at a ratio of light `q`, less what light that strays
+    /// may make of it.
+    fn change(&self, p: u8, e: u8, q: f32, stray: f32) -> f32 {
         let change = self.logs[usize::from(p)] - self.logs[usize::from(e)] - q;
         // Of light beyond white nobody knows how much it is.
         if p == u8::MAX && change < 0.0 || e == u8::MAX && change > 0.0 {
             return 0.0;
         }
-        let noise = self.noise[usize::from(e)];
+        let noise = self.noise[usize::from(e)] + stray;
         change - change.clamp(-noise, noise)
     }
 

@@ -14,4 +14,4 @@ mod illumination;
 mod motion;
 
 pub(crate) use flat::over_even_floor;
-pub(crate) use motion::check_still;
+pub use motion::check_still;

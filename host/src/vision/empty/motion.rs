@@ -50,11 +50,22 @@ pub(super) struct Motion {
     agreeing: f64,
 }
 
-/// Refuses pictures by a camera that moved between them.
+/// Refuses pictures by a camera that moved between them, by half a pixel or 0.05° or more.
 ///
 /// # Errors
 /// [`VisionError::EmptySize`], [`VisionError::EmptyMoved`] or [`VisionError::EmptyUnlike`].
-pub(crate) fn check_still(photo: &Photo, empty: &Photo) -> Result<(), VisionError> {
+///
+/// ```
+/// use wmr::vision::{Photo, VisionError, check_still};
+/// let square = |left: usize| {
+///     let pixel = |i: usize| (left..left + 40).contains(&(i % 96)) && (20..70).contains(&(i / 96));
+///     Photo::from_rgb(96, 96, (0..96 * 96).map(|i| [if pixel(i) { 40 } else { 200 }; 3]).collect())
+/// };
+/// check_still(&square(20)?, &square(20)?)?;
+/// assert!(matches!(check_still(&square(21)?, &square(20)?), Err(VisionError::EmptyMoved { .. })));
+/// # Ok::<(), VisionError>(())
+/// ```
+pub fn check_still(photo: &Photo, empty: &Photo) -> Result<(), VisionError> {
     let [size, other] = [photo, empty].map(|picture| [picture.width(), picture.height()]);
     if size != other {
         return Err(VisionError::EmptySize { photo: size, empty: other });
