@@ -8,6 +8,7 @@ use super::args::CalibrateCameraArgs;
 use super::detect::read_photo;
 use super::error::CliError;
 use super::folder::replace_file;
+use super::input::{read_bytes, read_picture};
 use super::output::Output;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -31,16 +32,34 @@ pub(crate) fn run(args: &CalibrateCameraArgs, output: Output) -> Result<(), CliE
         let _ = write!(text, "{}", describe(camera.name, &found));
         document.insert(camera.name.into(), camera_document(&found));
     }
-    let document = Value::Object(document);
     match &args.out {
         Some(path) => {
+            if let Some(empty) = &args.empty {
+                let name = keep_empty(empty, &args.photos, path)?;
+                let _ = writeln!(text, "the picture of the empty arena is kept as {name}");
+                document.insert("empty".into(), json!(name));
+            }
+            let document = Value::Object(document.clone());
             replace_file(path, format!("{document:#}\n").as_bytes())?;
             let photos = if cameras.len() > 1 { "PHOTO PHOTO_B" } else { "PHOTO" };
             let _ = writeln!(text, "use it: wmr detect {photos} --camera {}", path.display());
         }
         None => text += "nothing is written; add --out camera.json to keep it\n",
     }
-    output.result(&document, &text)
+    output.result(&Value::Object(document), &text)
+}
+
+/// Keeps the picture of the empty arena beside the camera's file; its name there.
+fn keep_empty(empty: &Path, photos: &[PathBuf], camera: &Path) -> Result<String, CliError> {
+    let picture = read_picture(empty)?;
+    for photo in photos {
+        vision::check_still(&read_picture(photo)?, &picture)?;
+    }
+    let ending = empty.extension().unwrap_or_default().to_string_lossy();
+    let stem = camera.file_stem().unwrap_or_default().to_string_lossy();
+    let name = format!("{stem}.empty.{ending}");
+    replace_file(&camera.with_file_name(&name), &read_bytes(empty)?)?;
+    Ok(name)
 }
 
 /// What is said of one camera.

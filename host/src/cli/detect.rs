@@ -56,6 +56,9 @@ pub(crate) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
         fields.insert("robot".into(), json!(detection.robot));
         fields.insert("confidence".into(), json!(detection.confidence));
         fields.insert("warnings".into(), json!(detection.warnings));
+        if let Some(empty) = &seen.empty {
+            fields.insert("empty".into(), json!(empty.display().to_string()));
+        }
         let timing = json!({"decode": milliseconds(seen.decode_time), "detect": milliseconds(seen.detect_time)});
         fields.insert("timing_ms".into(), timing);
     }
@@ -86,6 +89,9 @@ pub(crate) fn describe(seen: &SeenPhoto) -> String {
         detection.confidence,
         milliseconds(seen.decode_time + seen.detect_time),
     );
+    if let Some(empty) = &seen.empty {
+        text += &format!("the floor is that of {}\n", empty.display());
+    }
     for (index, obstacle) in detection.obstacles.iter().enumerate() {
         text += &format!("  {}: {}\n", index + 1, shape_text(&obstacle.footprint));
     }

@@ -38,7 +38,7 @@ pub(super) fn run(args: &DetectArgs, second: &Path, output: Output) -> Result<()
     let PairDetection { detection, .. } = seen;
     let heights: Vec<f64> =
         detection.obstacles.iter().filter_map(|obstacle| obstacle.height).collect();
-    let photo = SeenPhoto { bytes, arena, detection, decode_time, detect_time };
+    let photo = SeenPhoto { bytes, arena, empty: None, detection, decode_time, detect_time };
     let mut document = detection_document(&photo, args.radius);
     if let Some(fields) = document.as_object_mut() {
         fields.insert("heights".into(), json!(heights));

@@ -5,14 +5,14 @@ use super::error::{CliError, Exit};
 use super::output::Output;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use wmr::geometry::{Arena, Pose};
 use wmr::map::{CellMap, MapError, RosHead};
 use wmr::picture::vision::{NamedPicture, vision_pictures};
 use wmr::plan_file::PlanFile;
 use wmr::scene::{DEFAULT_ROBOT_RADIUS, Goal, Scene};
-use wmr::vision::{self, Camera, DetectOptions, Detection, Method};
+use wmr::vision::{self, Camera, DetectOptions, Detection, Method, Photo};
 
 /// What a file holds.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ pub(crate) enum Input {
 pub(crate) struct SeenPhoto {
     pub(crate) bytes: Vec<u8>,
     pub(crate) arena: Arena,
+    /// The picture of the empty arena that told the floor, if there was one.
+    pub(crate) empty: Option<PathBuf>,
     pub(crate) detection: Detection,
     pub(crate) decode_time: Duration,
     pub(crate) detect_time: Duration,
@@ -201,6 +203,8 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
     let photo = vision::decode(&bytes)?;
     let decode_time = started.elapsed();
     let arena = arena_of(args)?;
+    let camera_file = args.camera.as_deref().map(read_camera).transpose()?;
+    let empty = empty_picture(args, camera_file.as_ref())?;
     let options = DetectOptions {
         method: match args.method {
             MethodName::Robust => Method::Robust,
@@ -217,18 +221,48 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
         ignored: args.ignore.clone(),
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
-        camera: args.camera.as_deref().map(read_camera).transpose()?,
+        camera: camera_file.map(|file| file.main),
+        empty: empty.as_deref().map(read_picture).transpose()?,
         ..DetectOptions::default()
     };
     let started = Instant::now();
     let detection = vision::detect(&photo, arena, &options)?;
-    Ok(SeenPhoto { bytes, arena, detection, decode_time, detect_time: started.elapsed() })
+    Ok(SeenPhoto { bytes, arena, empty, detection, decode_time, detect_time: started.elapsed() })
+}
+
+/// Which picture of the empty arena is used: the one given, else the one that the camera file names.
+fn empty_picture(
+    args: &VisionArgs,
+    camera: Option<&CameraFile>,
+) -> Result<Option<PathBuf>, CliError> {
+    if args.method == MethodName::Paper {
+        let message = "the paper's method takes what is near white for floor, not a picture of it";
+        let refused = || CliError::usage(message, "leave --empty or --method paper out");
+        return if args.empty.is_some() { Err(refused()) } else { Ok(None) };
+    }
+    let named = || {
+        let beside = args.camera.as_deref()?.parent().unwrap_or(Path::new(""));
+        Some(beside.join(camera?.empty.as_deref()?))
+    };
+    Ok(args.empty.clone().or_else(named))
+}
+
+/// A second picture; an error names it.
+pub(crate) fn read_picture(path: &Path) -> Result<Photo, CliError> {
+    let bytes = read_bytes(path)?;
+    vision::decode(&bytes).map_err(|error| {
+        let error = CliError::from(error);
+        CliError { message: format!("{}: {}", path.display(), error.message), ..error }
+    })
 }
 
 /// A camera file: the camera stands under `main`.
 #[derive(serde::Deserialize)]
 struct CameraFile {
     main: Camera,
+    /// A picture of the empty arena, as a path from the file's folder.
+    #[serde(default)]
+    empty: Option<PathBuf>,
 }
 
 /// A camera file for two pictures.
@@ -238,9 +272,8 @@ struct CameraPairFile {
     b: Camera,
 }
 
-fn read_camera(path: &Path) -> Result<Camera, CliError> {
+fn read_camera(path: &Path) -> Result<CameraFile, CliError> {
     read_camera_file(path, "{\"main\": {model, image_size, K, k1, R, t}}")
-        .map(|file: CameraFile| file.main)
 }
 
 /// The cameras of two pictures.

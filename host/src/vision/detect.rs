@@ -7,6 +7,7 @@ use crate::vision::appearance::Look;
 use crate::vision::border::{self, check_arena, given};
 use crate::vision::boxes::{self, Bounded, Found, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
+use crate::vision::empty::{check_still, over_even_floor};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
 use crate::vision::marks::{Marks, known_top};
@@ -74,6 +75,9 @@ pub struct DetectOptions {
     pub robot_height: f64,
     /// Whether the pictures of the steps are kept.
     pub keep_steps: bool,
+    /// A picture of the empty arena by the same camera, which has not moved since: the floor is then what it
+    /// shows. The paper's method does without.
+    pub empty: Option<Photo>,
 }
 
 impl Default for DetectOptions {
@@ -90,6 +94,7 @@ impl Default for DetectOptions {
             robot_radius: PAPER_RADIUS,
             robot_height: USUAL_ROBOT_HEIGHT,
             keep_steps: false,
+            empty: None,
         }
     }
 }
@@ -145,8 +150,15 @@ pub fn detect(
 ) -> Result<Detection, VisionError> {
     check(arena, options.robot_radius)?;
     let mut warnings = Vec::new();
+    if let Some(empty) = &options.empty {
+        check_still(photo, empty)?;
+    }
     let marks = Marks::of(photo, options);
     let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
+    let empty = options.empty.as_ref().filter(|_| options.method == Method::Robust);
+    let even = empty.and_then(|empty| over_even_floor(photo, empty, &map, arena));
+    let taken = photo;
+    let photo = even.as_ref().unwrap_or(taken);
     let look = match options.method {
         Method::Robust => Look::at(photo, &map, arena),
         Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),
@@ -160,7 +172,11 @@ pub fn detect(
     let radius = options.robot_radius;
     let marked = match tagged {
         Some(pose) => Some(known_top(pose, radius)),
-        None => robot::find(photo, &map, &look, radius),
+        None => robot::find(photo, &map, &look, radius).or_else(|| {
+            even.as_ref()?;
+            let rough = Look::no_finer(taken, &map, arena, ROBOT_CELLS / radius)?;
+            robot::find(taken, &map, &rough, radius)
+        }),
     };
     let top = marked.or(options.robot_at.map(|pose| known_top(pose, radius)));
     warnings.extend(marks.missing(options));
@@ -238,7 +254,11 @@ fn locate(
     if let Some(point) = options.tags {
         return Ok((given(photo, arena, tags::corners(&marks.corners(), point)?)?, 1.0));
     }
-    let border = border::find(photo, &small, arena)?;
+    let border = match &options.empty {
+        // Nothing stands before its border.
+        Some(empty) => border::find(empty, &empty.reduced(empty.overview_factor()), arena)?,
+        None => border::find(photo, &small, arena)?,
+    };
     warnings.extend(rough_border(border.residual));
     Ok((border.map, border.score))
 }

@@ -159,6 +159,30 @@ pub enum VisionError {
         /// The greatest distance, pixels.
         allowed: f64,
     },
+    /// A photo and a picture of the empty arena that differ in size.
+    #[error("the picture of the empty arena has {} x {} pixels, the photo has {} x {}; take both with the same camera at the same setting", .empty[0], .empty[1], .photo[0], .photo[1])]
+    EmptySize {
+        /// Width and height of the photo.
+        photo: [usize; 2],
+        /// Width and height of the empty picture.
+        empty: [usize; 2],
+    },
+    /// The camera does not stand where it stood.
+    #[error("the camera moved since the picture of the empty arena was taken: this photo is shifted by {shift:.1} pixels and turned by {:.2}°, below half a pixel and 0.05° is needed; clear the arena and take a new picture, or leave --empty out", .turn.to_degrees())]
+    EmptyMoved {
+        /// How far the photo is shifted, pixels.
+        shift: f64,
+        /// How far it is turned, radians, clockwise as it is seen.
+        turn: f64,
+    },
+    /// A picture of the empty arena that shows something else, or from elsewhere.
+    #[error("the picture of the empty arena shows something else: {:.0} % of its edges are where the photo has them, {:.0} % is needed; the camera was moved far, or the picture is of another arena: take a new one, or leave --empty out", 100.0 * .measured, 100.0 * .needed)]
+    EmptyUnlike {
+        /// The share of edges that agree.
+        measured: f64,
+        /// The least share.
+        needed: f64,
+    },
     /// A height of the camera at which no picture looks like this one.
     #[error(
         "from {given} m above the floor the border would look otherwise: it shows a camera {measured:.2} m above, give or take {spread:.2} m; measure straight up from the floor to the lens, check --arena, or tell by --corners where the border is"

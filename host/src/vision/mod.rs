@@ -16,6 +16,7 @@
 //! | `tags` | square tags (ArUco, AprilTag): which they are, where their corners lie |
 //! | `camera` | where a floor point is in the photo: camera model, floor map, camera pose, fit to the border's edges |
 //! | `plan_view` | the floor seen straight from above |
+//! | `empty` | the photo over an even floor, by a picture of the empty arena |
 //! | `appearance` | what floor and shadow look like, and which cells are neither |
 //! | `border` | lines, quads, the choice of the border, the light along its sides |
 //! | `robot` | the robot's top and its heading |
@@ -39,6 +40,7 @@ mod boxes;
 mod calibrate;
 mod camera;
 mod detect;
+mod empty;
 mod error;
 mod image;
 mod marks;
@@ -52,6 +54,7 @@ mod tags;
 pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
 pub use detect::{DetectOptions, Detection, Method, detect};
+pub use empty::check_still;
 pub use error::VisionError;
 pub use image::{
     CellRect, MAX_PIXELS, Photo, Raster, check_picture, decode, rectangles, srgb_code,

@@ -116,7 +116,7 @@ pub(crate) struct DetectArgs {
     /// An overhead picture of the arena, PNG or JPEG.
     pub(crate) photo: PathBuf,
     /// A second picture, by another camera: heights are then measured (needs --camera).
-    #[arg(requires = "camera", conflicts_with_all = ["corners", "method"])]
+    #[arg(requires = "camera", conflicts_with_all = ["corners", "method", "empty"])]
     pub(crate) photo_b: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) vision: VisionArgs,

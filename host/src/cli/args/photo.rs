@@ -28,9 +28,13 @@ pub(crate) struct VisionArgs {
     #[arg(long, value_parser = quantity::disc, allow_hyphen_values = true, value_name = "X,Y,R")]
     pub(crate) ignore: Vec<Circle>,
     /// A calibrated camera: JSON with model, image_size, K, k1, R and t under "main", or for two pictures
-    /// under "a" and "b".
+    /// under "a" and "b"; "empty" may name a picture of the empty arena beside it.
     #[arg(long, value_name = "FILE")]
     pub(crate) camera: Option<PathBuf>,
+    /// A picture of the empty arena by the same camera, which has not moved since: what differs from it is an
+    /// obstacle, whatever the floor looks like.
+    #[arg(long, value_name = "PHOTO")]
+    pub(crate) empty: Option<PathBuf>,
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,

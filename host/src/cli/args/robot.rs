@@ -99,6 +99,9 @@ pub(crate) struct CalibrateCameraArgs {
     /// counter-clockwise, "x,y x,y x,y x,y", to a pixel. For a second camera give it again.
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Vec<[[f64; 2]; 4]>,
+    /// Keep this picture of the empty arena by the fixed camera beside the file: --camera then uses it.
+    #[arg(long, requires = "out", conflicts_with = "second", value_name = "PHOTO")]
+    pub(crate) empty: Option<PathBuf>,
     /// Write the camera to this file, for --camera.
     #[arg(short, long, alias = "output", value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,

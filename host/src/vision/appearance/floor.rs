@@ -42,8 +42,20 @@ pub(crate) fn sample_step(count: usize) -> usize {
 /// The feature of a linear light.
 #[inline]
 pub(crate) fn feature(light: [f32; 3]) -> Feature {
-    let [r, g, b] = light.map(|value| (value + DARK_LEVEL).ln());
+    turned(light.map(|value| (value + DARK_LEVEL).ln()))
+}
+
+/// Logarithms of the light of three channels, turned to brightness and two chroma axes.
+#[inline]
+pub(crate) fn turned([r, g, b]: [f32; 3]) -> Feature {
     [(r + g + b) / 3.0, (r - g) / std::f32::consts::SQRT_2, (r + g - 2.0 * b) / 6f32.sqrt()]
+}
+
+/// The logarithms of the light of three channels that [`turned`] brought to these axes.
+#[inline]
+pub(crate) fn turned_back([b, c, d]: Feature) -> [f32; 3] {
+    let (across, down) = (c / std::f32::consts::SQRT_2, d / 6f32.sqrt());
+    [b + down + across, b + down - across, b - 2.0 * down]
 }
 
 /// The floor's colour over the arena.
@@ -321,6 +333,13 @@ mod tests {
         assert!(shade.lit > 10.0 && shade.floor < 1.5 && shade.core < 1.5, "{shade:?} {model:?}");
         let half = model.difference(point, feature([0.75 * floor_light(point); 3]));
         assert!(half.floor < 1.5 && half.core > 6.0, "{half:?}");
+    }
+
+    #[test]
+    fn axes_are_turned_there_and_back() {
+        let light = [0.3, -1.2, 0.7];
+        let back = turned_back(turned(light));
+        assert!(light.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-6), "{back:?}");
     }
 
     #[test]

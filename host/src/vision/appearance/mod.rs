@@ -4,6 +4,6 @@ pub(crate) mod floor;
 mod segmentation;
 mod shadow;
 
-pub(crate) use floor::{Difference, Feature, FloorModel, feature, median};
+pub(crate) use floor::{Difference, Feature, FloorModel, feature, median, turned, turned_back};
 pub(crate) use segmentation::{FOREIGN, Look, SURE, samples};
 pub(crate) use shadow::Shadow;

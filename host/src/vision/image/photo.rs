@@ -126,6 +126,17 @@ impl Photo {
         Ok(Self { width, height, pixels, linear: Box::new(std::array::from_fn(linear_light)) })
     }
 
+    /// The same picture with other pixels, as many.
+    pub(crate) fn with_pixels(&self, pixels: Vec<[u8; 3]>) -> Self {
+        debug_assert_eq!(pixels.len(), self.pixels.len());
+        Self { pixels, linear: self.linear.clone(), ..*self }
+    }
+
+    /// The linear light of every code.
+    pub(crate) fn code_lights(&self) -> &[f32; 256] {
+        &self.linear
+    }
+
     /// Pixels in a row.
     pub fn width(&self) -> usize {
         self.width
