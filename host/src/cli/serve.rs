@@ -8,7 +8,7 @@ use crate::dashboard::{self, Settings};
 /// `wmr serve`.
 pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
     let settings = Settings {
-        address: args.addr.clone(),
+        address: if args.lan { on_all_networks(&args.addr) } else { args.addr.clone() },
         port: args.port.clone(),
         speed: args.sim_speed,
         seed: args.sim_seed,
@@ -16,6 +16,12 @@ pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
         sample: false,
     };
     dashboard::serve(&settings, output)
+}
+
+/// The same port at every address of this computer.
+fn on_all_networks(address: &str) -> String {
+    let port = address.rsplit(':').next().unwrap_or(address);
+    format!("0.0.0.0:{port}")
 }
 
 /// `wmr demo --page`: the demo's photo on the page, at any free address.

@@ -6,17 +6,18 @@ use super::requests::{
     CornersRequest, DetectRequest, DriveRequest, JogRequest, PlanRequest, SampleRequest,
 };
 use super::robot::{Motion, Order};
-use super::{Dashboard, lock};
+use super::{Dashboard, lock, steps};
 use crate::cli::error::CliError;
 use crate::cli::way;
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::State;
+use axum::extract::{Path, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 type Answer = Result<Json<Value>, Failure>;
 
@@ -93,12 +94,47 @@ pub(super) async fn detect(State(dashboard): State<Dashboard>, body: Bytes) -> A
     let (look, seen) = dashboard
         .jobs
         .run(move || {
-            let seen = look.see()?;
+            let seen = look.see(false)?;
             Ok((look, seen))
         })
         .await?;
     let document = lock(&dashboard.desk).take_detection(&look, &seen);
     Ok(Json(document))
+}
+
+/// The scene as a file, corrections and all.
+pub(super) async fn scene_file(State(dashboard): State<Dashboard>) -> Answer {
+    let scene = lock(&dashboard.desk).scene_file();
+    scene.map(Json).ok_or_else(|| {
+        Failure::missing(
+            "scene.none",
+            "there is no scene yet",
+            "choose a photo and let it be recognised",
+        )
+    })
+}
+
+/// Draws the steps from the photo to the path.
+pub(super) async fn steps(State(dashboard): State<Dashboard>) -> Answer {
+    let (look, way, radius) = lock(&dashboard.desk).steps();
+    let pictures =
+        dashboard.jobs.run(move || desk::draw_steps(look.as_ref(), way.as_deref(), radius)).await?;
+    let document = steps::document(&pictures);
+    lock(&dashboard.desk).steps = Arc::new(pictures);
+    Ok(Json(document))
+}
+
+/// A picture of the steps that were drawn last.
+pub(super) async fn step(
+    State(dashboard): State<Dashboard>,
+    Path(name): Path<String>,
+) -> Result<Response, Failure> {
+    let pictures = lock(&dashboard.desk).steps.clone();
+    let Some(picture) = pictures.iter().find(|picture| picture.name == name) else {
+        return Err(unknown().await);
+    };
+    let head = [(CONTENT_TYPE, steps::content_type(&name)), (CACHE_CONTROL, "no-store")];
+    Ok((head, picture.bytes.clone()).into_response())
 }
 
 /// A scene that was drawn or corrected by hand.

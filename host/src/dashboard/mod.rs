@@ -10,6 +10,7 @@
 //! no lock that is held for longer than a copy and waits for no request: whatever a page sends, it
 //! drives, pauses and stops. SI units and radians; pixels only for corners and photos.
 
+mod corrections;
 mod desk;
 mod error;
 mod files;
@@ -17,12 +18,14 @@ mod handlers;
 mod jobs;
 mod live;
 mod paced;
+mod reading;
 mod requests;
 mod robot;
 mod router;
 mod security;
 mod socket;
 mod status;
+mod steps;
 
 use crate::cli::error::{CliError, Exit};
 use crate::cli::mission::{catch_interrupts, interrupted};
@@ -141,6 +144,9 @@ fn announce(settings: &Settings, guard: &Guard, output: Output) -> Result<(), Cl
     output.say(&format!("wmr at {place}  (robot: {}; Ctrl-C ends it)", settings.port));
     if let Some(address) = guard.network_address() {
         output.say(&format!("in this network: {address}  (who has it can drive the robot)"));
+        if let Some(code) = qr_code(&address) {
+            output.say(&code);
+        }
     }
     if settings.open {
         open_in_browser(&place);
@@ -150,6 +156,15 @@ fn announce(settings: &Settings, guard: &Guard, output: Output) -> Result<(), Cl
         return output.result(&document, "");
     }
     Ok(())
+}
+
+/// The address for a phone's camera, two modules a character: on a dark terminal dark on light, on a light one
+/// the other way round, which today's phones read as well.
+fn qr_code(address: &str) -> Option<String> {
+    use qrcode::render::unicode::Dense1x2;
+    let code = qrcode::QrCode::new(address).ok()?;
+    let mut drawing = code.render::<Dense1x2>();
+    Some(drawing.dark_color(Dense1x2::Light).light_color(Dense1x2::Dark).build())
 }
 
 /// Asks the desktop to show the page; where there is none, the address is printed all the same.

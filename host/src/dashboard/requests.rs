@@ -2,6 +2,7 @@
 //! drive with a default.
 
 use super::error::Failure;
+use super::reading::Reading;
 use crate::cli::args::WayArgs;
 use clap::ValueEnum;
 use serde::Deserialize;
@@ -30,6 +31,11 @@ pub(super) struct CornersRequest {
 pub(super) struct DetectRequest {
     pub(super) arena: Option<Arena>,
     pub(super) robot_radius: Option<f64>,
+    /// Takes the place of the last one as a whole.
+    pub(super) reading: Option<Reading>,
+    /// Whether to forget what a person has corrected.
+    #[serde(default)]
+    pub(super) afresh: bool,
 }
 
 /// `POST /api/plan`; what is not given stays as it was.
