@@ -4,6 +4,7 @@ use super::args::{DemoArgs, ServeArgs};
 use super::error::CliError;
 use super::output::Output;
 use crate::dashboard::{self, Settings};
+use std::path::PathBuf;
 
 /// `wmr serve`.
 pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
@@ -12,6 +13,7 @@ pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
         port: args.port.clone(),
         speed: args.sim_speed,
         seed: args.sim_seed,
+        log: args.log.clone(),
         open: !args.no_open,
         sample: false,
     };
@@ -31,6 +33,7 @@ pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         port: args.port.clone(),
         speed: 1.0,
         seed: 1,
+        log: PathBuf::from("wmr-runs"),
         open: true,
         sample: true,
     };

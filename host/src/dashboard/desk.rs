@@ -378,12 +378,19 @@ pub(super) fn plan_document(way: &PlannedWay, args: &WayArgs) -> Value {
 fn grid_lines(way: &PlannedWay) -> Value {
     let stages = way.plan.as_ref().and_then(|plan| plan.grid.as_ref());
     let Some(stages) = stages else { return Value::Null };
+    let matrix = way.file.mini_matrix.as_deref().unwrap_or_default();
     let corner = way::origin(&way.file.scene);
-    let metres = |units: &[i32], from: f64| -> Vec<f64> {
-        units.iter().map(|&unit| f64::from(unit) / UNITS_PER_METRE + from).collect()
+    // The matrix leaves out the dead ring along the border.
+    let metres = |units: &[i32], areas: usize, from: f64| -> Vec<f64> {
+        let ring = units.len().saturating_sub(areas + 1) / 2;
+        let inner = units.iter().skip(ring).take(areas + 1);
+        inner.map(|&unit| f64::from(unit) / UNITS_PER_METRE + from).collect()
     };
     let lines = stages.closed.lines();
-    json!({"xs": metres(&lines.xs, corner.x), "ys": metres(&lines.ys, corner.y)})
+    let columns = matrix.first().map_or(0, Vec::len);
+    json!({
+        "xs": metres(&lines.xs, columns, corner.x), "ys": metres(&lines.ys, matrix.len(), corner.y),
+    })
 }
 
 /// The steps from the photo to the path, drawn.

@@ -3,10 +3,10 @@
 use super::desk::{self, DeskPhoto};
 use super::error::Failure;
 use super::requests::{
-    CornersRequest, DetectRequest, DriveRequest, JogRequest, PlanRequest, SampleRequest,
+    CornersRequest, DetectRequest, DriveRequest, HoldName, JogRequest, PlanRequest, SampleRequest,
 };
-use super::robot::{Motion, Order};
-use super::{Dashboard, lock, steps};
+use super::robot::{Order, Task};
+use super::{Dashboard, base, lock, steps};
 use crate::cli::error::CliError;
 use crate::cli::way;
 use axum::Json;
@@ -19,7 +19,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-type Answer = Result<Json<Value>, Failure>;
+pub(super) type Answer = Result<Json<Value>, Failure>;
 
 /// A jog goes at most so far, metres: a held key asks again.
 const MOST_JOG: f64 = 0.05;
@@ -35,6 +35,7 @@ fn state_document(dashboard: &Dashboard) -> Value {
     let mut document = lock(&dashboard.desk).document();
     let live = lock(&dashboard.live);
     if let Some(fields) = document.as_object_mut() {
+        fields.insert("faults".into(), json!(dashboard.faults.get()));
         fields.insert("run".into(), live.run_document());
         fields.insert("base".into(), live.base_document());
         fields.insert("drive".into(), live.drive_document(dashboard.controls.is_paused()));
@@ -185,7 +186,7 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
 /// Drives the plan on the desk.
 pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
     let request: DriveRequest = parse_or_default(&body)?;
-    let (way, args) = {
+    let (way, args, photo) = {
         let desk = lock(&dashboard.desk);
         if request.plan.is_some_and(|seen| seen != desk.revisions.plan) {
             return Err(Failure::missing(
@@ -195,7 +196,7 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
             ));
         }
         match desk.plan.as_ref().map(|plan| &plan.result) {
-            Some(Ok((way, args))) => (way.clone(), args.clone()),
+            Some(Ok((way, args))) => (way.clone(), args.clone(), desk.photo.clone()),
             _ => {
                 return Err(Failure::missing(
                     "plan.none",
@@ -206,17 +207,28 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
         }
     };
     dashboard.controls.set_unattended(request.unattended);
-    order(&dashboard, Motion::Drive(way, args))
+    order(&dashboard, Task::Drive(way, args, photo))
 }
 
 /// Moves the robot a little.
 pub(super) async fn jog(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
-    let motion = match parse(&body)? {
-        JogRequest { distance: Some(distance), turn: None } if distance.abs() <= MOST_JOG => {
-            Motion::Ahead(distance)
+    let task = match parse(&body)? {
+        JogRequest { distance: None, turn: None, hold: Some(hold), begin } => {
+            let hold = match hold {
+                HoldName::Held(hold) => Some(hold),
+                HoldName::LetGo(_) => None,
+            };
+            return base::hold(&dashboard, hold, begin);
         }
-        JogRequest { distance: None, turn: Some(turn) } if turn.abs() <= MOST_JOG_TURN => {
-            Motion::Turn(turn)
+        JogRequest { distance: Some(distance), turn: None, hold: None, .. }
+            if distance.abs() <= MOST_JOG =>
+        {
+            Task::Ahead(distance)
+        }
+        JogRequest { distance: None, turn: Some(turn), hold: None, .. }
+            if turn.abs() <= MOST_JOG_TURN =>
+        {
+            Task::Turn(turn)
         }
         _ => {
             return Err(Failure::bad_request(format!(
@@ -224,10 +236,10 @@ pub(super) async fn jog(State(dashboard): State<Dashboard>, body: Bytes) -> Answ
             )));
         }
     };
-    order(&dashboard, motion)
+    order(&dashboard, task)
 }
 
-fn order(dashboard: &Dashboard, motion: Motion) -> Answer {
+pub(super) fn order(dashboard: &Dashboard, task: Task) -> Answer {
     let busy = || Failure::missing("robot.busy", "the robot is under way", "wait, or stop it");
     let mut live = lock(&dashboard.live);
     if live.run.active {
@@ -235,7 +247,10 @@ fn order(dashboard: &Dashboard, motion: Motion) -> Answer {
     }
     dashboard.controls.set_paused(false);
     let stops = dashboard.controls.stops();
-    dashboard.orders.try_send(Order { motion, stops }).map_err(|_| busy())?;
+    if let Task::Held(hold) = task {
+        dashboard.controls.begin_holding(hold);
+    }
+    dashboard.orders.try_send(Order { task, stops }).map_err(|_| busy())?;
     live.run.begin();
     Ok(Json(json!({"run": live.run.revision})))
 }
@@ -273,10 +288,10 @@ pub(super) async fn unknown() -> Failure {
     Failure::new(StatusCode::NOT_FOUND, "http.path", "there is nothing here", "the page is at /")
 }
 
-fn parse<T: DeserializeOwned>(body: &Bytes) -> Result<T, Failure> {
+pub(super) fn parse<T: DeserializeOwned>(body: &Bytes) -> Result<T, Failure> {
     serde_json::from_slice(body).map_err(Failure::bad_request)
 }
 
-fn parse_or_default<T: DeserializeOwned + Default>(body: &Bytes) -> Result<T, Failure> {
+pub(super) fn parse_or_default<T: DeserializeOwned + Default>(body: &Bytes) -> Result<T, Failure> {
     if body.is_empty() { Ok(T::default()) } else { parse(body) }
 }

@@ -3,9 +3,14 @@
 //! It waits for nobody but its port: orders come through a queue that is looked at between drives, pause
 //! and stop through [`Controls`], which are read at each step of 2 ms.
 
-use super::live::{Controls, Live, RunStatus};
+use super::archive::Archive;
+use super::desk::DeskPhoto;
+use super::faults::FaultWish;
+use super::frames::FrameLog;
+use super::live::{Controls, Hold, Live, RunStatus};
 use super::lock;
 use super::paced::Paced;
+use super::service::ParameterTask;
 use crate::cli::args::{TimingName, WayArgs};
 use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
@@ -14,6 +19,7 @@ use crate::cli::way::{self, PlannedWay};
 use hil_sim::base::TruePose;
 use protocol::message::Report;
 use protocol::motion::{self, Leg, Limits, Timing};
+use protocol::parameters::Parameters;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -23,6 +29,7 @@ use wmr::geometry::{Point, Pose};
 use wmr::legs::{LegOptions, from_wire, planned_end, to_legs};
 use wmr::link::drive::{DriveError, DriveEvent, TimedPort, Wish, drive_as_wished, wait_for};
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::parameters::Request;
 use wmr::link::{LinkClient, LinkError};
 
 /// Which robot.
@@ -31,23 +38,32 @@ pub(super) struct RobotSettings {
     pub(super) port: String,
     pub(super) speed: f64,
     pub(super) seed: u64,
+    pub(super) faults: FaultWish,
+    pub(super) frames: FrameLog,
+    pub(super) archive: Archive,
 }
 
 /// What the robot is to do next.
 #[derive(Debug)]
 pub(super) struct Order {
-    pub(super) motion: Motion,
+    pub(super) task: Task,
     /// How many stops there had been when this was asked for.
     pub(super) stops: u64,
 }
 
 #[derive(Debug)]
-pub(super) enum Motion {
-    Drive(Box<PlannedWay>, WayArgs),
+pub(super) enum Task {
+    /// The way, and the photo in which it was planned.
+    Drive(Box<PlannedWay>, WayArgs, Option<Arc<DeskPhoto>>),
     /// So far ahead of where it stands, or behind; metres.
     Ahead(f64),
     /// So far to the left, radians.
     Turn(f64),
+    /// For as long as somebody holds a button.
+    Held(Hold),
+    /// Another port from now on.
+    Connect(String),
+    Parameters(ParameterTask),
 }
 
 /// A step of the link between drives.
@@ -76,10 +92,13 @@ pub(super) fn spawn(
             client: None,
             next_try: Instant::now(),
             stops: 0,
+            deadman: None,
+            own_parameters: None,
         };
         // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can begin anew.
         while catch_unwind(AssertUnwindSafe(|| robot.run(&orders))).is_err() {
             robot.client = None;
+            robot.deadman = None;
             let help = "the robot stops by itself; drive again, and please report it";
             let error = CliError::new(Exit::Bug, "bug", "the robot's thread has failed", help);
             robot.end_run(None, Some(&error));
@@ -88,14 +107,18 @@ pub(super) fn spawn(
     (sender, thread)
 }
 
-struct RobotThread {
-    settings: RobotSettings,
-    live: Arc<Mutex<Live>>,
-    controls: Arc<Controls>,
-    client: Option<LinkClient<Paced>>,
-    next_try: Instant,
+pub(super) struct RobotThread {
+    pub(super) settings: RobotSettings,
+    pub(super) live: Arc<Mutex<Live>>,
+    pub(super) controls: Arc<Controls>,
+    pub(super) client: Option<LinkClient<Paced>>,
+    pub(super) next_try: Instant,
     /// The stops that the robot was told of.
     stops: u64,
+    /// The button that must be held for the robot to move.
+    pub(super) deadman: Option<Hold>,
+    /// The numbers that a person has given the simulated robot.
+    pub(super) own_parameters: Option<Parameters>,
 }
 
 impl RobotThread {
@@ -121,7 +144,8 @@ impl RobotThread {
         robot: SimulatedRobot,
     ) -> Result<LinkClient<Paced>, CliError> {
         let endpoint = endpoint::open(&self.settings.port, world, robot)?;
-        let port = Paced::new(endpoint, self.settings.speed);
+        let RobotSettings { speed, frames, faults, .. } = &self.settings;
+        let port = Paced::new(endpoint, *speed, frames.clone(), faults.clone());
         let nonce = port.nonce();
         Ok(LinkClient::new(port, nonce))
     }
@@ -182,24 +206,34 @@ impl RobotThread {
     }
 
     fn carry_out(&mut self, order: Order) {
+        let task = match order.task {
+            Task::Connect(port) => return self.connect(port),
+            Task::Parameters(task) => return self.serve_parameters(task),
+            task => task,
+        };
         if order.stops != self.controls.stops() {
             return self.end_run(None, Some(&stopped()));
         }
-        let result = match order.motion {
-            Motion::Drive(way, args) => self.drive(&way, &args, order.stops).map(Some),
-            Motion::Ahead(distance) => self.jog(distance, 0.0, order.stops).map(|()| None),
-            Motion::Turn(angle) => self.jog(0.0, angle, order.stops).map(|()| None),
+        let result = match task {
+            Task::Drive(way, args, photo) => self.drive_and_keep(&way, &args, photo, order.stops),
+            Task::Held(hold) => self.move_held(hold, order.stops),
+            Task::Ahead(distance) => self.move_by(distance, 0.0, order.stops),
+            Task::Turn(angle) => self.move_by(0.0, angle, order.stops),
+            Task::Connect(_) | Task::Parameters(_) => Ok(()),
         };
         self.stops = order.stops;
+        self.end_move(result);
+    }
+
+    /// Says how a move has ended, if nobody has yet.
+    fn end_move(&mut self, result: Result<(), CliError>) {
         match result {
-            Ok(Some((run, error))) => {
-                let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
-                self.end_run(Some(&run), error.as_ref());
-                if let Some(error) = error.filter(|_| is_lost) {
-                    self.lose(&error);
+            Ok(()) => {
+                let mut live = lock(&self.live);
+                if live.run.active {
+                    live.run.end(None, None, String::new());
                 }
             }
-            Ok(None) => {}
             Err(error) => {
                 self.end_run(None, Some(&error));
                 if matches!(error.exit, Exit::Link | Exit::Port) {
@@ -207,6 +241,30 @@ impl RobotThread {
                 }
             }
         }
+    }
+
+    /// Drives a way and writes down how.
+    fn drive_and_keep(
+        &mut self,
+        way: &PlannedWay,
+        args: &WayArgs,
+        photo: Option<Arc<DeskPhoto>>,
+        stops: u64,
+    ) -> Result<(), CliError> {
+        let (run, error) = self.drive(way, args, stops)?;
+        let mut report = run.document();
+        if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
+            fields.insert("problem".into(), error.json()["error"].clone());
+        }
+        let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
+        let kept = self.settings.archive.keep(photo, way, &run, &report);
+        let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
+        self.end_run(Some(&run), error.as_ref());
+        lock(&self.live).run.kept = Some(kept.map_err(|error| error.message));
+        if let Some(error) = error.filter(|_| is_lost) {
+            self.lose(&error);
+        }
+        Ok(())
     }
 
     /// Drives a way to its end, or to where it is cut short.
@@ -228,6 +286,10 @@ impl RobotThread {
             };
             self.client = Some(self.open(world, robot)?);
         }
+        self.greet(stops)?;
+        if let Some(parameters) = self.own_parameters.filter(|_| self.is_simulated()) {
+            self.ask(Request::Change(parameters))?;
+        }
         let limits = self.greet(stops)?;
         let legs = way::legs_of(file, args, &limits);
         let mut run = Run::new(legs, limits, start);
@@ -242,8 +304,8 @@ impl RobotThread {
     }
 
     /// Waits until the robot has said who it is.
-    fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
-        let Some(client) = &mut self.client else { return Err(stopped()) };
+    pub(super) fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
+        let Some(client) = &mut self.client else { return Err(no_link()) };
         let controls = &self.controls;
         let robot = wait_for(
             client,
@@ -269,7 +331,9 @@ impl RobotThread {
         let wire_start = to_wire(start);
         let mut mission = Mission::new(run.legs.clone(), wire_start);
         let mut clock = RunClock::default();
-        let wish = || match (controls.stops() != stops, controls.is_paused()) {
+        let deadman = self.deadman;
+        let is_let_go = || deadman.is_some_and(|hold| !controls.is_held(hold));
+        let wish = || match (controls.stops() != stops || is_let_go(), controls.is_paused()) {
             (true, _) => Wish::Stop,
             (false, true) => Wish::Pause,
             (false, false) => Wish::Drive,
@@ -299,10 +363,14 @@ impl RobotThread {
     }
 
     /// Moves a little, from where the robot stands.
-    fn jog(&mut self, distance: f64, angle: f64, stops: u64) -> Result<(), CliError> {
+    pub(super) fn move_by(
+        &mut self,
+        distance: f64,
+        angle: f64,
+        stops: u64,
+    ) -> Result<(), CliError> {
         let limits = self.greet(stops)?;
-        let Some(telemetry) = lock(&self.live).telemetry else { return Err(stopped()) };
-        let start = from_wire(telemetry.pose);
+        let start = self.place().ok_or_else(stopped)?;
         let (sin, cos) = start.heading.sin_cos();
         let Point { x, y } = start.position;
         let way = [start.position, Point::new(x + distance * cos, y + distance * sin)];
@@ -310,9 +378,7 @@ impl RobotThread {
         let options = LegOptions { timing: Timing::Limits, reverse: true };
         let legs = to_legs(&way, start.heading, goal_heading, &options, &limits);
         let mut run = Run::new(legs, limits, start);
-        self.follow(&mut run, start, stops)?;
-        lock(&self.live).run.end(None, None, String::new());
-        Ok(())
+        self.follow(&mut run, start, stops)
     }
 
     fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
@@ -382,7 +448,12 @@ fn to_wire(pose: Pose) -> motion::Pose {
     motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
 }
 
-fn stopped() -> CliError {
+pub(super) fn no_link() -> CliError {
+    let help = "check its port, cable and battery";
+    CliError::new(Exit::Link, "link.none", "there is no link to the robot", help)
+}
+
+pub(super) fn stopped() -> CliError {
     CliError::new(
         Exit::Robot,
         "robot.stopped",

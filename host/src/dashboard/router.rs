@@ -1,7 +1,7 @@
 //! Which request goes where, and how large and long it may be.
 
 use super::error::Failure;
-use super::{Dashboard, files, handlers, security, socket};
+use super::{Dashboard, base, files, handlers, security, socket};
 use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
@@ -40,6 +40,14 @@ pub(super) fn routes() -> Vec<(&'static str, &'static str, MethodRouter<Dashboar
         ("post", "/api/resume", post(handlers::resume)),
         ("post", "/api/stop", post(handlers::stop)),
         ("post", "/api/jog", post(handlers::jog)),
+        ("get", "/api/ports", get(base::ports)),
+        ("post", "/api/connect", post(base::connect)),
+        ("post", "/api/parameters", post(base::parameters)),
+        ("post", "/api/faults", post(base::faults)),
+        ("get", "/api/frames", get(base::frames)),
+        ("get", "/api/runs", get(base::runs)),
+        ("get", "/api/runs/{name}", get(base::run)),
+        ("get", "/api/runs/{name}/{file}", get(base::run_file)),
         ("get", "/ws", get(socket::open)),
     ]
 }

@@ -104,6 +104,9 @@ pub(crate) struct ServeArgs {
     /// The robot: auto, sim, elf:FILE, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "sim")]
     pub(crate) port: String,
+    /// Keep each drive in a folder of its own in this one: photo, plan, run and report; the page lists them.
+    #[arg(long, default_value = "wmr-runs", value_name = "DIR")]
+    pub(crate) log: PathBuf,
     /// Do not open the page in the browser.
     #[arg(long)]
     pub(crate) no_open: bool,
