@@ -62,7 +62,7 @@ onPage('what is no obstacle stays none, and becomes one again when a person says
   await openSample(page);
   const [first] = (await state(page)).scene.obstacles;
   await page.click('#boxes li:first-child button');
-  assert.equal(await page.locator('#erase-box').innerText(), 'Not an obstacle');
+  await until(page, () => document.getElementById('erase-box').textContent === 'Not an obstacle');
   await page.click('#erase-box');
   await count(page, COUNT - 1);
   await lookAgain(page);
@@ -112,11 +112,12 @@ onPage('tags and a camera file are asked for, and nonsense is refused with a rea
   await page.setInputFiles('#camera-file', file('{"a": 1}'));
   await page.waitForSelector('#photo-problem:not([hidden])');
   assert.match(await page.locator('#photo-problem').innerText(), /no camera file/);
+  assert.equal((await state(page)).reading.camera, null);
   // Straight above the middle of the arena, three metres up: x to the right, y down in the picture.
   const [width, height] = SAMPLE.arena;
   const f = 3 * (await page.evaluate(() => { const [a, b] = window.wmr.state.detection.corners_px; return Math.hypot(b[0] - a[0], b[1] - a[1]); })) / width;
   const centre = await page.evaluate(() => [0, 1].map((axis) => window.wmr.state.detection.corners_px.reduce((sum, at) => sum + at[axis] / 4, 0)));
-  const main = { model: 'pinhole', image_size: [640, 480], K: [[f, 0, centre[0]], [0, f, centre[1]], [0, 0, 1]], k1: 0, R: [[1, 0, 0], [0, -1, 0], [0, 0, -1]], t: [-width / 2, height / 2, 3] };
+  const main = { model: 'perspective', image_size: [640, 480], K: [[f, 0, centre[0]], [0, f, centre[1]], [0, 0, 1]], k1: 0, R: [[1, 0, 0], [0, -1, 0], [0, 0, -1]], t: [-width / 2, height / 2, 3] };
   await page.setInputFiles('#camera-file', file(JSON.stringify({ main })));
   await until(page, () => !window.wmr.state.working && window.wmr.state.reading.camera);
   assert.match(await page.locator('#camera-note').innerText(), /640 × 480/);
@@ -130,7 +131,8 @@ onPage('a magnifier shows where a corner goes', async (page) => {
   await page.mouse.move(handle.x + handle.width / 2, handle.y + handle.height / 2);
   await page.mouse.down();
   await page.mouse.move(handle.x, handle.y + 30, { steps: 3 });
-  const lens = await page.waitForSelector('#magnifier').then((node) => node.boundingBox());
+  await page.waitForSelector('#magnifier');
+  const lens = await page.locator('.lens-rim').boundingBox();
   assert.ok(lens.x + lens.width < handle.x || lens.y > handle.y + 45, 'it does not cover the corner');
   await shot(page, '1-magnifier');
   await page.mouse.up();

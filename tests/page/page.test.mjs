@@ -1,15 +1,12 @@
 // What a person does on the page, in a browser, with the real program behind it.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { onPage, the } from './suite.mjs';
 import {
   SAMPLE, clickFloor, dragFloor, onScreen, open, openSample, planTo, post, readmeShot, serve, shot, state, until,
 } from './browser.mjs';
 
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 /** The box of the truth that an outline lies over, within 6 mm on each side: the picture's pixel is 3.7 mm. */
 function matching(outline) {
   return SAMPLE.obstacles.findIndex((box) => box.every((side, index) => Math.abs(side - outline[index]) < 0.006));
@@ -341,51 +338,3 @@ onPage('keys alone lead from the photo to the goal', async (page) => {
   await page.waitForSelector('#result');
   assert.equal((await state(page)).run.report.reached, true);
 });
-
-for (const colorScheme of ['light', 'dark']) {
-  for (const [width, height] of [[1440, 900], [768, 1024], [360, 740]]) {
-    onPage(`every step is legible to all at ${width} pixels, ${colorScheme}`, async (page) => {
-      const check = async (name) => {
-        await page.evaluate(axe);
-        const found = await page.evaluate(() => window.axe.run({ resultTypes: ['violations'] }));
-        const serious = found.violations.filter(({ impact }) => ['serious', 'critical'].includes(impact));
-        assert.deepEqual(serious.map(({ id, nodes }) => `${name}: ${id} ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`), []);
-        const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-        assert.ok(wide <= 0, `${name} is ${wide} pixels too wide`);
-        const stop = await page.locator('#stop').boundingBox();
-        assert.ok(stop.x >= 0 && stop.x + stop.width <= width && stop.y >= 0, `${name}: STOP is in view`);
-        await shot(page, `${name}-${width}-${colorScheme}`);
-      };
-      await check('0-welcome');
-      await openSample(page);
-      await page.click('#boxes li:first-child button');
-      await check('2-recognised');
-      await page.click('[data-step=photo]');
-      await page.click('#reading-details summary');
-      await check('1-photo');
-      await page.click('[data-step=boxes]');
-      await planTo(page);
-      await until(page, () => window.wmr.state.plan);
-      await page.click('#grid-details summary');
-      await check('3-plan');
-      await page.click('#drive-now');
-      await page.waitForSelector('#progress:not([hidden])');
-      await check('4-drive');
-      await page.waitForSelector('#result');
-      await check('5-report');
-      await page.click('#runs-details summary');
-      await page.click('[data-run]');
-      await page.waitForSelector('#past:not([hidden])');
-      await check('8-past');
-      await page.click('[data-step=base]');
-      await check('7-base');
-      for (const name of ['numbers', 'faults', 'frames']) await page.click(`#${name}-details summary`);
-      await page.waitForSelector('[data-number]');
-      await check('7-base-open');
-      await page.click('[data-step=boxes]');
-      await page.click('[data-panel=boxes] [data-steps]');
-      await page.waitForSelector('#steps-dialog[open]');
-      await check('6-steps');
-    }, { width, height, colorScheme });
-  }
-}

@@ -132,7 +132,11 @@ find('faults-none').addEventListener('click', () => {
 
 const sendFaults = (wish) => attempt('base', async () => { state.faults = (await post('faults', wish)).faults; });
 
-const areSome = (faults) => Boolean(faults) && JSON.stringify(faults).replace(/"counts"|false|\b0(\.0)?\b|[a-z"{}[\],:]/g, '') !== '';
+function areSome(faults) {
+  if (!faults) return false;
+  const { loss, corruption, latency, slip, blocked, encoders } = faults;
+  return [loss, corruption, latency, ...slip].some((share) => share > 0) || blocked.includes(true) || encoders.some((name) => name !== 'counts');
+}
 
 // Frames.
 

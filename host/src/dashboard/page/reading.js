@@ -10,14 +10,17 @@ const number = (name) => (Number.isNaN(find(name).valueAsNumber) ? null : find(n
 find('reading').addEventListener('submit', (event) => event.preventDefault());
 find('reading').addEventListener('change', (event) => {
   if (event.target.type === 'file') return;
-  state.reading = { ...state.reading, tags: find('tags').value || null, robot_tag: number('robot-tag'), goal_tag: number('goal-tag') };
-  again();
+  use({ ...state.reading, tags: find('tags').value || null, robot_tag: number('robot-tag'), goal_tag: number('goal-tag') });
 });
 
-/** Looks once more, where there is anything to look at. */
-function again() {
+/** Reads the photo in this way from now on, unless the program knows no such way. */
+async function use(reading) {
+  const before = state.reading;
+  state.reading = reading;
   changed();
-  if (state.photo && state.arena) recogniseHere();
+  if (!state.photo || !state.arena || await recogniseHere()) return;
+  if (state.problem.photo?.code === 'http.request') state.reading = before;
+  changed();
 }
 
 find('camera-file').addEventListener('change', (event) => {
@@ -27,13 +30,11 @@ find('camera-file').addEventListener('change', (event) => {
   attempt('photo', async () => {
     const { main } = JSON.parse(await file.text());
     if (!main) throw { message: 'this is no camera file', help: 'wmr calibrate camera writes one' };
-    state.reading = { ...state.reading, camera: { main } };
-    again();
-  });
+    return { main };
+  }).then((camera) => camera && use({ ...state.reading, camera }));
 });
 find('camera-forget').addEventListener('click', () => {
-  state.reading = { ...state.reading, camera: null };
-  again();
+  use({ ...state.reading, camera: null });
 });
 find('camera-pick').addEventListener('click', () => find('camera-file').click());
 find('ignore-place').addEventListener('click', () => {
@@ -43,8 +44,7 @@ find('ignore-place').addEventListener('click', () => {
 
 /** One more place in which nothing is an obstacle. */
 export function ignore(disc) {
-  state.reading = { ...state.reading, ignore: [...state.reading.ignore, disc] };
-  again();
+  use({ ...state.reading, ignore: [...state.reading.ignore, disc] });
 }
 
 onChange(() => {
@@ -60,8 +60,7 @@ onChange(() => {
   find('ignored').replaceChildren(...reading.ignore.map(([x, y, radius], index) => {
     const button = element('button', { type: 'button', class: 'quiet' }, 'Look there again');
     button.addEventListener('click', () => {
-      state.reading = { ...state.reading, ignore: reading.ignore.filter((_, i) => i !== index) };
-      again();
+      use({ ...state.reading, ignore: reading.ignore.filter((_, i) => i !== index) });
     });
     return element('li', {}, `${centimetres(2 * radius)} cm at ${x.toFixed(2)}, ${y.toFixed(2)} m`, button);
   }));

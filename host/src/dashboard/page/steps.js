@@ -78,7 +78,14 @@ find('matrix').addEventListener('pointerover', (event) => light(cellOf(event)));
 find('matrix').addEventListener('pointerleave', () => light(null));
 find('matrix').addEventListener('focusin', (event) => light(cellOf(event)));
 find('matrix').addEventListener('focusout', () => light(null));
-find('view').addEventListener('pointerover', (event) => { if (state.showsGrid) light(event.target.dataset?.area ?? null); });
+// A pointer that rests is over another element whenever the stage is drawn anew, and means nothing by it.
+let pointer = '';
+find('view').addEventListener('pointermove', (event) => {
+  const place = `${event.clientX},${event.clientY}`;
+  if (!state.showsGrid || place === pointer) return;
+  pointer = place;
+  light(event.target.dataset?.area ?? null);
+});
 find('view').addEventListener('pointerleave', () => light(null));
 find('matrix').addEventListener('keydown', (event) => {
   const way = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
