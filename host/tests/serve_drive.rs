@@ -250,6 +250,33 @@ fn faults_strike_while_it_drives_and_end_when_they_are_taken_back() {
 }
 
 #[test]
+fn six_courses_and_their_ends_calibrate_the_base() {
+    let server = Server::start_at("40");
+    server.when("connected", |state| state["base"]["pose"].is_array());
+    let mut ends = Vec::new();
+    for index in 0..6 {
+        let before = server.state()["run"]["revision"].clone();
+        server.done("course", &json!({"index": index, "side": 0.5}));
+        let state = server.when("at rest", |state| {
+            is_at_rest(state) && state["run"]["revision"].as_u64() > before.as_u64()
+        });
+        ends.push(state["run"]["course"].clone());
+    }
+    let wish = json!({"side": 0.5, "ends": ends, "keep": true});
+    let found = server.done("calibrate", &wish);
+    let rms = |when: &str| found[when]["rms"].as_f64().unwrap();
+    assert!(rms("after") <= rms("before") && rms("after") < 0.005, "{found}");
+    let numbers = server.done("parameters", &json!({}));
+    assert_eq!(numbers["calibration"], found["calibration"]);
+    // Ends that no lengths explain.
+    let mut far = wish.clone();
+    far["ends"][0]["measured"] = json!([5, 0, 0]);
+    assert_eq!(server.post("calibrate", &far).1["error"]["code"], "calibrate");
+    assert_eq!(server.done("parameters", &json!({}))["calibration"], found["calibration"]);
+    assert_eq!(server.post("course", &json!({"index": 6, "side": 1})).0, 400);
+}
+
+#[test]
 fn a_drive_is_kept_listed_and_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().to_str().unwrap();

@@ -89,6 +89,22 @@ onPage("the robot's numbers are shown with their ranges, changed, and drive the 
   assert.ok(run.report.duration > 0.8 * (plan.length / 0.1), 'no faster than it was told');
 });
 
+onPage('six courses calibrate the base, step by step', async (page) => {
+  await toBase(page);
+  await page.click('#calibrate-details summary');
+  await page.fill('#calibrate-side', '0.5');
+  for (let course = 1; course <= 6; course += 1) {
+    await page.click(`#calibrate-drive >> text=Drive course ${course} of 6`);
+    await page.waitForSelector(`#calibrate-list li:nth-child(${course}) small:not(:empty)`, { timeout: 60_000 });
+  }
+  await page.click('#calibrate-drive >> text=Give the lengths');
+  await page.waitForSelector('#calibrate-found:not([hidden])');
+  const rms = await page.locator('#calibrate-found tr:last-child td').allInnerTexts();
+  assert.ok(parseFloat(rms[1]) <= parseFloat(rms[0]), `${rms}`);
+  await page.locator('#calibrate-found').scrollIntoViewIfNeeded();
+  await shot(page, '7-calibrated');
+}, { speed: 20 });
+
 onPage('a wheel that is held fast ends the drive with a fault, and nothing moves the robot from there', async (page) => {
   await openSample(page);
   await toBase(page);

@@ -45,7 +45,7 @@ for (const colorScheme of ['light', 'dark']) {
       await check('8-past');
       await page.click('[data-step=base]');
       await check('7-base');
-      for (const name of ['numbers', 'faults', 'frames']) await page.click(`#${name}-details summary`);
+      for (const name of ['numbers', 'calibrate', 'faults', 'frames']) await page.click(`#${name}-details summary`);
       await page.waitForSelector('[data-number]');
       await check('7-base-open');
       await page.click('[data-step=boxes]');

@@ -12,10 +12,15 @@ after(close);
 beforeEach(async () => { the.server = await serve(); });
 afterEach(() => the.server.kill());
 
-/** A test on a page that must not fail or ask anybody else. */
-export function onPage(name, body, size) {
+/** A test on a page that must not fail or ask anybody else; `options` are those of the page, and the speed of the
+ * simulated robot. */
+export function onPage(name, body, options = {}) {
   test(name, async () => {
-    const page = await open(the.server, size);
+    if (options.speed) {
+      await the.server.kill();
+      the.server = await serve(options);
+    }
+    const page = await open(the.server, options);
     await body(page);
     assert.deepEqual(page.errors, []);
     assert.deepEqual(page.foreign, [], 'works without a network');

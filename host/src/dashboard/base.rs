@@ -1,5 +1,6 @@
 //! Requests about the base itself: ports, its numbers, faults of a simulated one, frames, past runs.
 
+use super::calibrating::{CalibrateRequest, CalibrateTask, CourseRequest};
 use super::error::Failure;
 use super::faults::SimulatedFaults;
 use super::handlers::{Answer, order, parse, parse_or_default, unknown};
@@ -75,6 +76,11 @@ pub(super) async fn parameters(State(dashboard): State<Dashboard>, body: Bytes) 
     let changes = changes.map_err(Failure::bad_request)?;
     let (reply, answer) = oneshot::channel();
     queue(&dashboard, Task::Parameters(ParameterTask { changes, keep: request.keep, reply }))?;
+    answered(answer).await
+}
+
+/// What the robot's thread answers.
+async fn answered(answer: oneshot::Receiver<Result<Value, CliError>>) -> Answer {
     match tokio::time::timeout(ANSWER_TIMEOUT, answer).await {
         Ok(Ok(answer)) => Ok(Json(answer?)),
         _ => Err(Failure::new(
@@ -84,6 +90,21 @@ pub(super) async fn parameters(State(dashboard): State<Dashboard>, body: Bytes) 
             "check its cable and battery",
         )),
     }
+}
+
+/// Drives one of the courses of a calibration.
+pub(super) async fn course(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
+    let request: CourseRequest = parse(&body)?;
+    order(&dashboard, Task::Course(request.course()?))
+}
+
+/// The lengths that explain where the courses ended, given to the robot.
+pub(super) async fn calibrate(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
+    let request: CalibrateRequest = parse(&body)?;
+    let (reply, answer) = oneshot::channel();
+    let task = CalibrateTask { runs: request.runs()?, keep: request.keep, reply };
+    queue(&dashboard, Task::Calibrate(task))?;
+    answered(answer).await
 }
 
 /// What goes wrong with a simulated robot.
@@ -109,8 +130,7 @@ pub(super) fn hold(dashboard: &Dashboard, hold: Option<Hold>, begins: bool) -> A
         // What was let go, stopped or has failed begins anew only with a new press.
         return Ok(Json(json!({"held": dashboard.controls.keep_holding(hold)})));
     }
-    let answer = order(dashboard, Task::Held(hold))?;
-    Ok(answer)
+    order(dashboard, Task::Held(hold))
 }
 
 /// The drives that were kept.

@@ -129,6 +129,8 @@ pub(super) struct RunStatus {
     pub(super) error: Option<Value>,
     /// The lines of `run.jsonl`.
     pub(super) lines: String,
+    /// Where a course of a calibration has ended: believed and, if anybody knows, truly.
+    pub(super) course: Option<Value>,
     /// The name under which the drive is kept, or why it is not.
     pub(super) kept: Option<Result<String, String>>,
 }
@@ -214,6 +216,7 @@ impl Live {
             "trail": run.trail,
             "report": run.report,
             "error": run.error,
+            "course": run.course,
             "kept": run.kept.as_ref().and_then(|kept| kept.as_ref().ok()),
             "not_kept": run.kept.as_ref().and_then(|kept| kept.as_ref().err()),
         })

@@ -12,6 +12,7 @@
 
 mod archive;
 mod base;
+mod calibrating;
 mod corrections;
 mod desk;
 mod error;

@@ -4,6 +4,7 @@
 //! and stop through [`Controls`], which are read at each step of 2 ms.
 
 use super::archive::Archive;
+use super::calibrating::CalibrateTask;
 use super::desk::DeskPhoto;
 use super::faults::FaultWish;
 use super::frames::FrameLog;
@@ -25,6 +26,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use wmr::calibration::Course;
 use wmr::geometry::{Point, Pose};
 use wmr::legs::{LegOptions, from_wire, planned_end, to_legs};
 use wmr::link::drive::{DriveError, DriveEvent, TimedPort, Wish, drive_as_wished, wait_for};
@@ -64,6 +66,9 @@ pub(super) enum Task {
     /// Another port from now on.
     Connect(String),
     Parameters(ParameterTask),
+    /// One of the courses of a calibration.
+    Course(Course),
+    Calibrate(CalibrateTask),
 }
 
 /// A step of the link between drives.
@@ -209,6 +214,7 @@ impl RobotThread {
         let task = match order.task {
             Task::Connect(port) => return self.connect(port),
             Task::Parameters(task) => return self.serve_parameters(task),
+            Task::Calibrate(task) => return self.serve_calibration(task),
             task => task,
         };
         if order.stops != self.controls.stops() {
@@ -219,7 +225,8 @@ impl RobotThread {
             Task::Held(hold) => self.move_held(hold, order.stops),
             Task::Ahead(distance) => self.move_by(distance, 0.0, order.stops),
             Task::Turn(angle) => self.move_by(0.0, angle, order.stops),
-            Task::Connect(_) | Task::Parameters(_) => Ok(()),
+            Task::Course(course) => self.drive_course(course, order.stops),
+            Task::Connect(_) | Task::Parameters(_) | Task::Calibrate(_) => Ok(()),
         };
         self.stops = order.stops;
         self.end_move(result);
@@ -321,7 +328,12 @@ impl RobotThread {
     }
 
     /// Follows the legs of `run` from `start`, and records how.
-    fn follow(&mut self, run: &mut Run, start: Pose, stops: u64) -> Result<(), CliError> {
+    pub(super) fn follow(
+        &mut self,
+        run: &mut Run,
+        start: Pose,
+        stops: u64,
+    ) -> Result<(), CliError> {
         let Some(client) = &mut self.client else { return Err(stopped()) };
         let (live, controls) = (&self.live, &self.controls);
         lock(live).run.legs = run.legs.iter().map(ends).collect();

@@ -43,6 +43,8 @@ pub(super) fn routes() -> Vec<(&'static str, &'static str, MethodRouter<Dashboar
         ("get", "/api/ports", get(base::ports)),
         ("post", "/api/connect", post(base::connect)),
         ("post", "/api/parameters", post(base::parameters)),
+        ("post", "/api/course", post(base::course)),
+        ("post", "/api/calibrate", post(base::calibrate)),
         ("post", "/api/faults", post(base::faults)),
         ("get", "/api/frames", get(base::frames)),
         ("get", "/api/runs", get(base::runs)),

@@ -61,7 +61,7 @@ impl RobotThread {
         Ok(parameters)
     }
 
-    fn ask_parameters(&mut self, request: Request) -> Result<Parameters, CliError> {
+    pub(super) fn ask_parameters(&mut self, request: Request) -> Result<Parameters, CliError> {
         match self.ask(request)? {
             Answer::Parameters(parameters) => Ok(parameters),
             Answer::Kept | Answer::Identity(_) | Answer::Turned(_) => {

@@ -230,11 +230,14 @@ export async function replan() {
     return;
   }
   underWay = true;
+  state.planning = true;
   do {
     again = false;
     await planOnce();
   } while (again);
   underWay = false;
+  state.planning = false;
+  changed();
 }
 
 async function planOnce() {

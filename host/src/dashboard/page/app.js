@@ -13,6 +13,7 @@ import './drive.js';
 import './reading.js';
 import './steps.js';
 import './runs.js';
+import './calibrate.js';
 import { letGo } from './base.js';
 import { changed, onChange, state } from './state.js';
 

@@ -88,7 +88,7 @@ function showNumbers() {
     return element('label', {}, number.name.replaceAll('-', ' '), element('span', { class: 'unit' }, input, unit ? ` ${unit}` : null),
       element('small', { id: `range-${number.name}` }, `${trim(number.least)} to ${trim(number.most)}`));
   }));
-  find('calibration-note').textContent = numbers.calibration ? `Calibration ${numbers.calibration}.` : 'Never calibrated: wmr calibrate base measures wheels and track.';
+  find('calibration-note').textContent = numbers.calibration ? `Calibration ${numbers.calibration}.` : 'Never calibrated: see below.';
 }
 
 async function askNumbers(wish) {

@@ -64,6 +64,6 @@ onChange(() => {
     find('preview-time').textContent = `${(state.preview ?? 0).toFixed(1)} s`;
   }
   showProblem(find('plan-problem'), state.planProblem ?? state.problem.plan, ...advice(state.planProblem));
-  find('drive-now').disabled = !plan || !state.online || !state.base?.connected || Boolean(state.drive?.active);
-}, ({ start, goal, planner, cost, plan, preview, planProblem, online, base, drive: status }) =>
-  [start, goal, planner, cost, plan, preview, planProblem, online, base?.connected, status?.active]);
+  find('drive-now').disabled = !plan || state.planning || !state.online || !state.base?.connected || Boolean(state.drive?.active);
+}, ({ start, goal, planner, cost, plan, planning, preview, planProblem, online, base, drive: status }) =>
+  [planning, start, goal, planner, cost, plan, preview, planProblem, online, base?.connected, status?.active]);

@@ -12,6 +12,8 @@ export const state = {
   margins: [],
   plan: null,
   planProblem: null,
+  /** Whether a newer plan is on its way: what is shown is not driven then. */
+  planning: false,
   run: null,
   base: null,
   drive: null,
