@@ -62,6 +62,32 @@ fn beyond_this_computer_even_the_page_needs_the_token() {
     assert_eq!(server.raw(&format!("GET /?t={token}"), &other, b"").0, 403);
 }
 
+/// Two rows of modules a line, the light ones drawn.
+#[test]
+fn a_phone_in_the_network_gets_the_address_as_a_code() {
+    let mut process = program(&["serve", "--addr", "127.0.0.1:0", "--lan", "--no-open"]);
+    let mut lines = BufReader::new(process.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let here = lines.next().unwrap();
+    assert!(here.contains("http://127.0.0.1:"), "{here}");
+    // A computer without a network has no address to show.
+    if std::net::UdpSocket::bind("0.0.0.0:0").unwrap().connect("192.0.2.1:9").is_err() {
+        process.kill().unwrap();
+        process.wait().unwrap();
+        return;
+    }
+    let there = lines.next().unwrap();
+    let mut code = vec![lines.next().unwrap()];
+    code.extend(lines.take(code[0].chars().count().div_ceil(2) - 1));
+    process.kill().unwrap();
+    process.wait().unwrap();
+    let token = here.split("t=").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(there.contains(token), "{there}");
+    let width = code[0].chars().count();
+    // Version 3 has 29 modules and a light margin of four on each side.
+    assert!(width >= 29 + 8 && code.iter().all(|line| line.chars().count() == width), "{code:?}");
+    assert!(code[0].chars().all(|tile| tile == '█'), "a light margin: {}", code[0]);
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_with_a_reason() {
     let server = Server::start();

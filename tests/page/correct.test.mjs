@@ -79,6 +79,7 @@ onPage('what is no obstacle stays none, and becomes one again when a person says
 
 onPage('a scene file that was saved corrects the photo once more', async (page) => {
   await openSample(page);
+  assert.equal(await page.locator('#afresh').isHidden(), true, 'nothing is corrected yet');
   const { scene, margins } = await state(page);
   const corrected = { ...scene, obstacles: scene.obstacles.slice(1), margins: margins.slice(1) };
   await page.setInputFiles('#file', { name: 'scene.json', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify(corrected)) });

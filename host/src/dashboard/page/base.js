@@ -78,7 +78,7 @@ addEventListener('keydown', (event) => { if (event.key === 'Escape') held = null
 const UNITS = { m: ['mm', 1000] };
 let numbers = null;
 
-const shownUnit = ({ unit }) => UNITS[unit] ?? [unit, 1];
+const shownUnit = ({ unit }) => UNITS[unit] ?? [unit.replace('s2', 's²'), 1];
 
 function showNumbers() {
   find('numbers').replaceChildren(...numbers.parameters.map((number) => {

@@ -37,7 +37,13 @@ function kind(obstacle) {
   return obstacle.circle ? ' round' : ` ${obstacle.polygon.length} corners`;
 }
 
-const isSame = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+const numbers = (obstacle) => (isBox(obstacle) ? obstacle : obstacle.circle ?? obstacle.polygon.flat());
+
+/** Whether two outlines are the same numbers, but for the last digits that writing and reading cost; metres. */
+function isSame(one, other) {
+  const [a, b] = [numbers(one), numbers(other)];
+  return isBox(one) === isBox(other) && Boolean(one.circle) === Boolean(other.circle) && a.length === b.length && a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
+}
 
 /** What was recognised and is an obstacle no more, with its margin: not what was only moved. */
 export function noObstacles() {
