@@ -99,7 +99,7 @@ onPage('six courses calibrate the base, step by step', async (page) => {
   }
   await page.click('#calibrate-drive >> text=Give the lengths');
   await page.waitForSelector('#calibrate-found:not([hidden])');
-  const rms = await page.locator('#calibrate-found tr:last-child td').allInnerTexts();
+  const rms = await page.locator('#calibrate-found tbody tr:last-child td').allInnerTexts();
   assert.ok(parseFloat(rms[1]) <= parseFloat(rms[0]), `${rms}`);
   await page.locator('#calibrate-found').scrollIntoViewIfNeeded();
   await shot(page, '7-calibrated');

@@ -1,12 +1,12 @@
 //! What each request does. Nothing here waits for the robot: an order is queued or a wish is set.
 
-use super::desk::{self, DeskPhoto};
+use super::desk::DeskPhoto;
 use super::error::Failure;
 use super::requests::{
     CornersRequest, DetectRequest, DriveRequest, HoldName, JogRequest, PlanRequest, SampleRequest,
 };
 use super::robot::{Order, Task};
-use super::{Dashboard, base, lock, steps};
+use super::{Dashboard, base, lock, planned, steps};
 use crate::cli::error::CliError;
 use crate::cli::way;
 use axum::Json;
@@ -118,8 +118,10 @@ pub(super) async fn scene_file(State(dashboard): State<Dashboard>) -> Answer {
 /// Draws the steps from the photo to the path.
 pub(super) async fn steps(State(dashboard): State<Dashboard>) -> Answer {
     let (look, way, radius) = lock(&dashboard.desk).steps();
-    let pictures =
-        dashboard.jobs.run(move || desk::draw_steps(look.as_ref(), way.as_deref(), radius)).await?;
+    let pictures = dashboard
+        .jobs
+        .run(move || planned::draw_steps(look.as_ref(), way.as_deref(), radius))
+        .await?;
     let document = steps::document(&pictures);
     lock(&dashboard.desk).steps = Arc::new(pictures);
     Ok(Json(document))
@@ -154,9 +156,9 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
     let (scene, args, result, answer) = dashboard
         .jobs
         .run(move || {
-            let result = desk::plan(&scene, &args);
+            let result = planned::plan(&scene, &args);
             let answer = match &result {
-                Ok(way) => Ok(desk::plan_document(way, &args)),
+                Ok(way) => Ok(planned::plan_document(way, &args)),
                 Err(error) => Err(error.clone()),
             };
             Ok((scene, args, result, answer))

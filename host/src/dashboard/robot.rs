@@ -12,14 +12,14 @@ use super::live::{Controls, Hold, Live, RunStatus};
 use super::lock;
 use super::paced::Paced;
 use super::service::ParameterTask;
-use crate::cli::args::{TimingName, WayArgs};
+use crate::cli::args::WayArgs;
 use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
-use crate::cli::run::{Run, RunClock};
-use crate::cli::way::{self, PlannedWay};
+use crate::cli::run::Run;
+use crate::cli::way::PlannedWay;
 use hil_sim::base::TruePose;
 use protocol::message::Report;
-use protocol::motion::{self, Leg, Limits, Timing};
+use protocol::motion::Limits;
 use protocol::parameters::Parameters;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
@@ -27,11 +27,9 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use wmr::calibration::Course;
-use wmr::geometry::{Point, Pose};
-use wmr::legs::{LegOptions, from_wire, planned_end, to_legs};
-use wmr::link::drive::{DriveError, DriveEvent, TimedPort, Wish, drive_as_wished, wait_for};
-use wmr::link::mission::{Mission, MissionError, MissionEvent};
-use wmr::link::parameters::Request;
+use wmr::geometry::Point;
+use wmr::legs::planned_end;
+use wmr::link::drive::{TimedPort, wait_for};
 use wmr::link::{LinkClient, LinkError};
 
 /// Which robot.
@@ -138,12 +136,12 @@ impl RobotThread {
         self.say_goodbye();
     }
 
-    fn is_simulated(&self) -> bool {
+    pub(super) fn is_simulated(&self) -> bool {
         self.settings.port == "sim" || self.settings.port.starts_with("elf:")
     }
 
     /// Opens the port, with `world` around a simulated robot.
-    fn open(
+    pub(super) fn open(
         &self,
         world: SimulatedWorld,
         robot: SimulatedRobot,
@@ -204,7 +202,7 @@ impl RobotThread {
         Ok(())
     }
 
-    fn lose(&mut self, error: &CliError) {
+    pub(super) fn lose(&mut self, error: &CliError) {
         self.client = None;
         self.next_try = Instant::now() + RETRY;
         lock(&self.live).lose(error.json()["error"].clone());
@@ -250,66 +248,6 @@ impl RobotThread {
         }
     }
 
-    /// Drives a way and writes down how.
-    fn drive_and_keep(
-        &mut self,
-        way: &PlannedWay,
-        args: &WayArgs,
-        photo: Option<Arc<DeskPhoto>>,
-        stops: u64,
-    ) -> Result<(), CliError> {
-        let (run, error) = self.drive(way, args, stops)?;
-        let mut report = run.document();
-        if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
-            fields.insert("problem".into(), error.json()["error"].clone());
-        }
-        let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
-        let kept = self.settings.archive.keep(photo, way, &run, &report);
-        let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
-        self.end_run(Some(&run), error.as_ref());
-        lock(&self.live).run.kept = Some(kept.map_err(|error| error.message));
-        if let Some(error) = error.filter(|_| is_lost) {
-            self.lose(&error);
-        }
-        Ok(())
-    }
-
-    /// Drives a way to its end, or to where it is cut short.
-    fn drive(
-        &mut self,
-        way: &PlannedWay,
-        args: &WayArgs,
-        stops: u64,
-    ) -> Result<(Run, Option<CliError>), CliError> {
-        let file = &way.file;
-        let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
-        let start = Pose { position: first, heading: file.start_heading() };
-        if self.is_simulated() || self.client.is_none() {
-            // A simulated robot stands where the plan begins, as if somebody had put it there.
-            let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
-            let robot = match args.timing {
-                TimingName::Limits => SimulatedRobot::Default,
-                TimingName::Paper => SimulatedRobot::Paper,
-            };
-            self.client = Some(self.open(world, robot)?);
-        }
-        self.greet(stops)?;
-        if let Some(parameters) = self.own_parameters.filter(|_| self.is_simulated()) {
-            self.ask(Request::Change(parameters))?;
-        }
-        let limits = self.greet(stops)?;
-        let legs = way::legs_of(file, args, &limits);
-        let mut run = Run::new(legs, limits, start);
-        run.origin = way::origin(&file.scene);
-        run.goal = file.waypoints.last().copied();
-        let result = self.follow(&mut run, start, stops);
-        if let Some(client) = &mut self.client {
-            run.truth = client.port_mut().truth();
-            run.link = client.statistics();
-        }
-        Ok((run, result.err()))
-    }
-
     /// Waits until the robot has said who it is.
     pub(super) fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
         let Some(client) = &mut self.client else { return Err(no_link()) };
@@ -327,73 +265,7 @@ impl RobotThread {
         Ok(robot.limits)
     }
 
-    /// Follows the legs of `run` from `start`, and records how.
-    pub(super) fn follow(
-        &mut self,
-        run: &mut Run,
-        start: Pose,
-        stops: u64,
-    ) -> Result<(), CliError> {
-        let Some(client) = &mut self.client else { return Err(stopped()) };
-        let (live, controls) = (&self.live, &self.controls);
-        lock(live).run.legs = run.legs.iter().map(ends).collect();
-        if run.legs.is_empty() {
-            return Ok(());
-        }
-        let wire_start = to_wire(start);
-        let mut mission = Mission::new(run.legs.clone(), wire_start);
-        let mut clock = RunClock::default();
-        let deadman = self.deadman;
-        let is_let_go = || deadman.is_some_and(|hold| !controls.is_held(hold));
-        let wish = || match (controls.stops() != stops || is_let_go(), controls.is_paused()) {
-            (true, _) => Wish::Stop,
-            (false, true) => Wish::Pause,
-            (false, false) => Wish::Drive,
-        };
-        let driven = drive_as_wished(client, &mut mission, wish, |event, _| {
-            let DriveEvent::Mission(event) = event else { return };
-            run.record(event, &mut clock);
-            if let MissionEvent::Telemetry(telemetry) = event {
-                let mut live = lock(live);
-                live.hear(telemetry);
-                if let Some(sample) = run.samples.last() {
-                    live.run.follow(sample.time, from_wire(telemetry.pose).position);
-                    live.run.leg = usize::from(telemetry.leg);
-                }
-            }
-        });
-        driven.map(|_| ()).map_err(|error| match error {
-            DriveError::Stopped | DriveError::StopUnconfirmed => CliError::new(
-                Exit::Robot,
-                "robot.stopped",
-                error,
-                "plan again from where it stands",
-            ),
-            DriveError::Mission(MissionError::Stopped) => stopped(),
-            error => error.into(),
-        })
-    }
-
-    /// Moves a little, from where the robot stands.
-    pub(super) fn move_by(
-        &mut self,
-        distance: f64,
-        angle: f64,
-        stops: u64,
-    ) -> Result<(), CliError> {
-        let limits = self.greet(stops)?;
-        let start = self.place().ok_or_else(stopped)?;
-        let (sin, cos) = start.heading.sin_cos();
-        let Point { x, y } = start.position;
-        let way = [start.position, Point::new(x + distance * cos, y + distance * sin)];
-        let goal_heading = (angle != 0.0).then_some(start.heading + angle);
-        let options = LegOptions { timing: Timing::Limits, reverse: true };
-        let legs = to_legs(&way, start.heading, goal_heading, &options, &limits);
-        let mut run = Run::new(legs, limits, start);
-        self.follow(&mut run, start, stops)
-    }
-
-    fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
+    pub(super) fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
         let report = run.map(|run| {
             let mut report = run.document();
             if let Some(fields) = report.as_object_mut() {
@@ -428,7 +300,7 @@ impl RunStatus {
         *self = Self { revision: self.revision + 1, active: true, ..Self::default() };
     }
 
-    fn follow(&mut self, time: f64, at: Point) {
+    pub(super) fn follow(&mut self, time: f64, at: Point) {
         let last = self.trail.last().copied();
         let is_new = last.is_none_or(|last| last.distance(at) > TRAIL_STEP);
         if is_new && (last.is_none() || time - self.time_of_trail >= TRAIL_INTERVAL) {
@@ -450,14 +322,6 @@ impl RunStatus {
         self.error = error;
         self.lines = lines;
     }
-}
-
-fn ends(leg: &Leg) -> [Point; 2] {
-    [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
-}
-
-fn to_wire(pose: Pose) -> motion::Pose {
-    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
 }
 
 pub(super) fn no_link() -> CliError {
