@@ -60,7 +60,7 @@ impl SimulatedFaults {
             EncoderName::Reversed => EncoderFault::Reversed,
         };
         let encoders = self.encoders.map(encoder);
-        base::Faults { slip: self.slip, blocked: self.blocked, encoders }
+        base::Faults { slip: self.slip, blocked: self.blocked, encoders, ..base::Faults::default() }
     }
 
     fn wire(&self) -> (wire::Faults, wire::Pace) {

@@ -64,7 +64,7 @@ impl RobotThread {
     pub(super) fn ask_parameters(&mut self, request: Request) -> Result<Parameters, CliError> {
         match self.ask(request)? {
             Answer::Parameters(parameters) => Ok(parameters),
-            Answer::Kept | Answer::Identity(_) | Answer::Turned(_) => {
+            Answer::Kept | Answer::Identity(_) | Answer::Turned(_) | Answer::Measured(_) => {
                 Err(CliError::new(Exit::Bug, "bug", "an answer to no question", "report it"))
             }
         }
