@@ -181,3 +181,140 @@ fn a_robot_behind_a_port_drives_and_stops_and_its_loss_is_said() {
     let state = server.when("lost", |state| state["base"]["connected"] == false);
     assert!(state["base"]["problem"]["help"].is_string(), "{}", state["base"]);
 }
+
+#[test]
+fn what_is_held_moves_and_what_nobody_says_is_held_stops() {
+    let server = Server::start();
+    server.when("connected", |state| state["base"]["pose"].is_array());
+    let ask = |hold: &str, begin: bool| server.post("jog", &json!({"hold": hold, "begin": begin}));
+    assert_eq!(ask("ahead", false).1["held"], false, "nobody has pressed it");
+    assert_eq!(server.state()["drive"]["active"], false);
+    assert_eq!(ask("ahead", true).0, 200);
+    let is_far = |state: &Value| state["base"]["pose"][0].as_f64().unwrap() > 0.3;
+    while !is_far(&server.state()) {
+        assert_eq!(ask("ahead", false).1["held"], true);
+    }
+    // Silence lets it go.
+    let state = server.when("at rest", is_at_rest);
+    assert_eq!(state["run"]["error"], Value::Null, "{}", state["run"]);
+    assert_eq!(state["base"]["wheels"], json!([0.0, 0.0]));
+    assert_eq!(ask("ahead", false).1["held"], false);
+
+    assert_eq!(ask("left", true).0, 200);
+    server.done("stop", &json!({}));
+    assert_eq!(ask("left", false).1["held"], false, "a stop begins anew only with a new press");
+    let state = server.when("at rest", is_at_rest);
+    assert_eq!(state["base"]["state"], "stopped");
+}
+
+#[test]
+fn numbers_are_kept_for_the_next_drive_and_only_ones_that_make_sense() {
+    let server = Server::start();
+    server.when("connected", |state| state["base"]["connected"] == true);
+    let speed = |document: &Value| {
+        let list = document["parameters"].as_array().unwrap().clone();
+        list.into_iter().find(|number| number["name"] == "speed").unwrap()
+    };
+    let old = server.done("parameters", &json!({}));
+    assert_eq!((&speed(&old)["value"], &speed(&old)["unit"]), (&json!(0.4), &json!("m/s")));
+    let new = server.done("parameters", &json!({"values": {"speed": 0.2}, "keep": true}));
+    assert_eq!(speed(&new)["value"], 0.2);
+    let refused = server.post("parameters", &json!({"values": {"speed": 1000.0}}));
+    assert_eq!((refused.0, &refused.1["error"]["code"]), (409, &json!("robot.refused")));
+    assert_eq!(server.post("parameters", &json!({"values": {"sped": 1.0}})).0, 400);
+    server.plan_sample();
+    server.done("drive", &json!({}));
+    let state = server.when("at rest", is_at_rest);
+    let slow = state["run"]["report"]["duration"].as_f64().unwrap();
+    assert!(slow > state["plan"]["length"].as_f64().unwrap() / 0.2, "{slow}");
+    assert_eq!(speed(&server.done("parameters", &json!({})))["value"], 0.2);
+}
+
+#[test]
+fn faults_strike_while_it_drives_and_end_when_they_are_taken_back() {
+    let server = Server::start();
+    server.plan_sample();
+    server.done("drive", &json!({}));
+    server.when("driving", |state| state["base"]["state"] == "driving");
+    server.done("faults", &json!({"blocked": [true, true]}));
+    let state = server.when("at rest", is_at_rest);
+    assert_eq!(state["run"]["report"]["reached"], false, "{}", state["run"]);
+    assert!(state["run"]["error"]["help"].is_string());
+    server.done("faults", &json!({"loss": 0.1}));
+    server.plan_sample();
+    server.done("drive", &json!({}));
+    let state = server.when("at rest", is_at_rest);
+    assert_eq!(state["run"]["report"]["reached"], true, "{}", state["run"]["error"]);
+    assert!(state["run"]["report"]["link"]["retransmitted"].as_u64() > Some(0));
+    assert_eq!(server.post("faults", &json!({"loss": 2})).0, 400);
+}
+
+#[test]
+fn six_courses_and_their_ends_calibrate_the_base() {
+    let server = Server::start_at("40");
+    server.when("connected", |state| state["base"]["pose"].is_array());
+    let mut ends = Vec::new();
+    for index in 0..6 {
+        let before = server.state()["run"]["revision"].clone();
+        server.done("course", &json!({"index": index, "side": 0.5}));
+        let state = server.when("at rest", |state| {
+            is_at_rest(state) && state["run"]["revision"].as_u64() > before.as_u64()
+        });
+        ends.push(state["run"]["course"].clone());
+    }
+    let wish = json!({"side": 0.5, "ends": ends, "keep": true});
+    let found = server.done("calibrate", &wish);
+    let rms = |when: &str| found[when]["rms"].as_f64().unwrap();
+    assert!(rms("after") <= rms("before") && rms("after") < 0.005, "{found}");
+    let numbers = server.done("parameters", &json!({}));
+    assert_eq!(numbers["calibration"], found["calibration"]);
+    // Ends that no lengths explain.
+    let mut far = wish.clone();
+    far["ends"][0]["measured"] = json!([5, 0, 0]);
+    assert_eq!(server.post("calibrate", &far).1["error"]["code"], "calibrate");
+    assert_eq!(server.done("parameters", &json!({}))["calibration"], found["calibration"]);
+    assert_eq!(server.post("course", &json!({"index": 6, "side": 1})).0, 400);
+}
+
+#[test]
+fn a_drive_is_kept_listed_and_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().to_str().unwrap();
+    let start = ["serve", "--addr", "127.0.0.1:0", "--no-open", "--sim-speed", "20", "--log", log];
+    let server = Server::start_with(&start);
+    server.plan_sample();
+    server.done("drive", &json!({}));
+    let state = server.when("kept", |state| state["run"]["kept"].is_string());
+    drop(server);
+
+    // Another start of the program finds it.
+    let server = Server::start_with(&start);
+    let get = |path: &str| {
+        let (status, body) = server.raw(&format!("GET {path}"), &[("Host", &server.host)], b"");
+        (status, serde_json::from_slice::<Value>(&body).unwrap_or(Value::Null))
+    };
+    let (_, list) = get("/api/runs");
+    assert_eq!(list["runs"][0]["name"], state["run"]["kept"]);
+    assert_eq!(list["runs"][0]["reached"], true);
+    let (_, run) = get("/api/runs/run-0001");
+    assert_eq!(run["report"]["pose"], state["run"]["report"]["pose"]);
+    let files: Vec<_> = run["files"].as_array().unwrap().iter().map(|name| name.as_str()).collect();
+    assert!(files.contains(&Some("photo")) && files.contains(&Some("run.jsonl")), "{files:?}");
+    assert_eq!(get("/api/runs/run-0001/plan.json").1["format"], "wmr-plan/1");
+    for path in ["/api/runs/run-0002", "/api/runs/run-0001/..%2f..%2fsecret", "/api/runs/.."] {
+        assert_eq!(get(path).0, 404, "{path}");
+    }
+}
+
+#[test]
+fn only_known_ports_are_opened() {
+    let server = Server::start();
+    for port in ["/etc/passwd", "elf:/bin/true", "/dev/mem", ""] {
+        assert_eq!(server.post("connect", &json!({"port": port})).0, 400, "{port}");
+    }
+    server.done("connect", &json!({"port": "tcp://127.0.0.1:1"}));
+    let state = server.when("lost", |state| state["base"]["problem"].is_object());
+    assert_eq!(state["base"]["port"], "tcp://127.0.0.1:1");
+    server.done("connect", &json!({"port": "sim"}));
+    server.when("connected", |state| state["base"]["connected"] == true);
+}

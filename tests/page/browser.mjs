@@ -2,12 +2,15 @@
 
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdirSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const program = process.env.WMR_PROGRAM ?? `${root}target/debug/wmr`;
+export const PROGRAM = process.env.WMR_PROGRAM ?? `${root}target/debug/wmr`;
+/** The firmware as firmware/build leaves it. */
+export const ELF = `${root}target/firmware/pico.elf`;
 const shots = `${root}target/page/`;
 mkdirSync(shots, { recursive: true });
 
@@ -29,8 +32,9 @@ export const SAMPLE = {
 };
 
 /** Starts `wmr serve` with a simulated robot, at a free address or at `address`. */
-export async function serve({ speed = 5, address = '127.0.0.1:0' } = {}) {
-  const child = spawn(program, ['serve', '--addr', address, '--no-open', '--port', 'sim', '--sim-speed', String(speed)]);
+export async function serve({ speed = 5, address = '127.0.0.1:0', port = 'sim' } = {}) {
+  const log = mkdtempSync(`${tmpdir()}/wmr-page-`);
+  const child = spawn(PROGRAM, ['serve', '--addr', address, '--no-open', '--port', port, '--sim-speed', String(speed), '--log', log]);
   const ended = once(child, 'exit');
   let text = '';
   const url = await new Promise((resolve, reject) => {
@@ -44,7 +48,7 @@ export async function serve({ speed = 5, address = '127.0.0.1:0' } = {}) {
   const { host, searchParams } = new URL(url);
   return {
     url, host, token: searchParams.get('t'), pid: child.pid,
-    kill: async () => { child.kill('SIGKILL'); await ended; },
+    kill: async () => { child.kill('SIGKILL'); await ended; rmSync(log, { recursive: true, force: true }); },
     stop: async () => { child.kill('SIGINT'); await ended; },
   };
 }

@@ -1,31 +1,11 @@
 // What a person does on the page, in a browser, with the real program behind it.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { after, before, beforeEach, afterEach, test } from 'node:test';
+import { test } from 'node:test';
+import { onPage, the } from './suite.mjs';
 import {
-  SAMPLE, clickFloor, close, dragFloor, launch, onScreen, open, openSample, planTo, post, readmeShot, serve, shot, state, until,
+  SAMPLE, clickFloor, dragFloor, onScreen, open, openSample, planTo, post, readmeShot, serve, shot, state, until,
 } from './browser.mjs';
-
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-let server;
-
-before(launch);
-after(close);
-beforeEach(async () => { server = await serve(); });
-afterEach(() => server.kill());
-
-/** The same in a page that must not have failed or asked anybody else. */
-function onPage(name, body, size) {
-  test(name, async () => {
-    const page = await open(server, size);
-    await body(page);
-    assert.deepEqual(page.errors, []);
-    assert.deepEqual(page.foreign, [], 'works without a network');
-    await page.context().close();
-  });
-}
 
 /** The box of the truth that an outline lies over, within 6 mm on each side: the picture's pixel is 3.7 mm. */
 function matching(outline) {
@@ -280,44 +260,16 @@ onPage('a camera takes the photo', async (page) => {
   assert.ok((await state(page)).photo.width >= 320);
 });
 
-onPage('the robot moves by hand while a button is held, and no longer', async (page) => {
-  await page.click('[data-step=drive]');
-  await page.click('#jog summary');
-  const button = await page.locator('[data-jog="0.03,0"]').boundingBox();
-  await page.mouse.move(button.x + 20, button.y + 20);
-  await page.mouse.down();
-  await until(page, () => window.wmr.state.base.pose[0] > 0.08);
-  await page.mouse.up();
-  await until(page, () => !window.wmr.state.drive.active && window.wmr.state.base.state === 'idle');
-  const [x] = (await state(page)).base.pose;
-  // A step that was asked for already is driven to its end.
-  await page.waitForTimeout(500);
-  assert.ok((await state(page)).base.pose[0] - x < 0.031, 'one step at most');
-});
-
-onPage('corrections can be had back after another look at the photo', async (page) => {
-  await openSample(page);
-  await page.click('#boxes li:first-child button');
-  await page.click('#erase-box');
-  await until(page, (count) => window.wmr.state.scene.obstacles.length === count - 1, SAMPLE.obstacles.length);
-  await page.click('[data-step=photo]');
-  await page.click('#recognise');
-  await until(page, (count) => window.wmr.state.scene?.obstacles.length === count && !window.wmr.state.working, SAMPLE.obstacles.length);
-  await page.waitForSelector('[data-panel=boxes]:not([hidden])');
-  await page.click('#undo');
-  await until(page, (count) => window.wmr.state.scene.obstacles.length === count - 1, SAMPLE.obstacles.length);
-});
-
 test('a program that is gone is veiled, and one that is back goes on', async () => {
-  const page = await open(server);
+  const page = await open(the.server);
   await openSample(page);
   await planTo(page);
   await until(page, () => window.wmr.state.plan);
-  await server.kill();
+  await the.server.kill();
   await page.waitForSelector('#veil:not([hidden])');
   assert.match(await page.locator('#veil').innerText(), /No word from the program/);
   await shot(page, '4-veil');
-  server = await serve({ address: server.host });
+  the.server = await serve({ address: the.server.host });
   await page.waitForSelector('#veil', { state: 'hidden' });
   await until(page, () => window.wmr.state.plan && !window.wmr.state.working);
   assert.equal((await state(page)).scene.obstacles.length, SAMPLE.obstacles.length);
@@ -328,7 +280,7 @@ test('a program that is gone is veiled, and one that is back goes on', async () 
 });
 
 test('two pages show one state, and the robot pauses when the last is closed', async () => {
-  const [first, second] = [await open(server), await open(server)];
+  const [first, second] = [await open(the.server), await open(the.server)];
   await openSample(first);
   await planTo(first);
   await until(first, () => window.wmr.state.plan);
@@ -339,8 +291,8 @@ test('two pages show one state, and the robot pauses when the last is closed', a
   await first.context().close();
   await second.context().close();
   let live;
-  do live = await (await fetch(`http://${server.host}/api/state`)).json(); while (live.base.state !== 'paused');
-  const third = await open(server);
+  do live = await (await fetch(`http://${the.server.host}/api/state`)).json(); while (live.base.state !== 'paused');
+  const third = await open(the.server);
   await third.click('[data-step=drive]');
   await third.click('#pause');
   await third.waitForSelector('#result');
@@ -348,9 +300,9 @@ test('two pages show one state, and the robot pauses when the last is closed', a
 });
 
 test('other origins, other names and strangers are refused', async () => {
-  assert.equal((await post(server, 'stop', undefined, { origin: 'http://evil.example' })).status, 403);
-  assert.equal((await post(server, 'stop', undefined, { authorization: '' })).status, 401);
-  const page = await open(server);
+  assert.equal((await post(the.server, 'stop', undefined, { origin: 'http://evil.example' })).status, 403);
+  assert.equal((await post(the.server, 'stop', undefined, { authorization: '' })).status, 401);
+  const page = await open(the.server);
   // A page of another origin in the same browser: it can neither stop the robot nor read its state.
   const refused = await page.evaluate(async (host) => {
     const frame = document.createElement('iframe');
@@ -360,7 +312,7 @@ test('other origins, other names and strangers are refused', async () => {
       .then((answer) => parent.postMessage('answered ' + answer.status, '*'), () => parent.postMessage('refused', '*'))<\/script>`;
     document.body.append(frame);
     return Promise.race([asked, new Promise((resolve) => { setTimeout(resolve, 3000, 'silent'); })]);
-  }, server.host);
+  }, the.server.host);
   assert.ok(['refused', 'silent'].includes(refused), refused);
   assert.notEqual((await state(page)).base.state, 'stopped');
   await page.context().close();
@@ -386,37 +338,3 @@ onPage('keys alone lead from the photo to the goal', async (page) => {
   await page.waitForSelector('#result');
   assert.equal((await state(page)).run.report.reached, true);
 });
-
-for (const colorScheme of ['light', 'dark']) {
-  for (const [width, height] of [[1440, 900], [768, 1024], [360, 740]]) {
-    onPage(`every step is legible to all at ${width} pixels, ${colorScheme}`, async (page) => {
-      const check = async (name) => {
-        await page.evaluate(axe);
-        const found = await page.evaluate(() => window.axe.run({ resultTypes: ['violations'] }));
-        const serious = found.violations.filter(({ impact }) => ['serious', 'critical'].includes(impact));
-        assert.deepEqual(serious.map(({ id, nodes }) => `${name}: ${id} ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`), []);
-        const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-        assert.ok(wide <= 0, `${name} is ${wide} pixels too wide`);
-        const stop = await page.locator('#stop').boundingBox();
-        assert.ok(stop.x >= 0 && stop.x + stop.width <= width && stop.y >= 0, `${name}: STOP is in view`);
-        await shot(page, `${name}-${width}-${colorScheme}`);
-      };
-      await check('0-welcome');
-      await openSample(page);
-      await page.click('#boxes li:first-child button');
-      await check('2-recognised');
-      await page.click('[data-step=photo]');
-      await check('1-photo');
-      await page.click('[data-step=boxes]');
-      await planTo(page);
-      await until(page, () => window.wmr.state.plan);
-      await page.click('#grid-details summary');
-      await check('3-plan');
-      await page.click('#drive-now');
-      await page.waitForSelector('#progress:not([hidden])');
-      await check('4-drive');
-      await page.waitForSelector('#result');
-      await check('5-report');
-    }, { width, height, colorScheme });
-  }
-}

@@ -1,11 +1,12 @@
 //! Where a robot is: behind a port, or simulated. One loop drives them all, each on its own time.
 
 use super::error::CliError;
-use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
+use hil_sim::base::{self, BaseParameters, TruePose, WheeledBase};
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::presets::paper_robot;
 use hil_sim::simulation::{Firmware, Simulation, Truth};
+use hil_sim::wire;
 use hil_sim::world::{self, World};
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -27,6 +28,9 @@ pub(crate) trait Endpoint: TimedPort {
     fn name(&self) -> Option<&str> {
         None
     }
+
+    /// Lets these things go wrong from now on, if the robot is simulated.
+    fn inject(&mut self, _base: base::Faults, _wires: (wire::Faults, wire::Pace)) {}
 
     /// Whether the other side closes every connection before it has said a word.
     fn is_turned_away(&self) -> bool {
@@ -72,6 +76,11 @@ impl<B: Firmware> TimedPort for Simulated<B> {
 impl<B: Firmware> Endpoint for Simulated<B> {
     fn truth(&self) -> Option<Truth> {
         Some(self.0.truth())
+    }
+
+    fn inject(&mut self, base: base::Faults, (faults, pace): (wire::Faults, wire::Pace)) {
+        self.0.base_mut().set_faults(base);
+        self.0.wires().into_iter().for_each(|wire| wire.change(faults, pace));
     }
 
     /// Always the same, so that a simulated run is the same every time.

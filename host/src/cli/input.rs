@@ -199,12 +199,22 @@ pub(crate) fn arena_of(args: &VisionArgs) -> Result<Arena, CliError> {
 
 /// Decodes a photo and finds what is in it.
 pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<SeenPhoto, CliError> {
+    let camera_file = args.camera.as_deref().map(read_camera).transpose()?;
+    let empty = empty_picture(args, camera_file.as_ref())?;
+    see_with(bytes, args, sight, (camera_file.map(|file| file.main), empty))
+}
+
+/// The same with a camera that is known already, and the file with the picture of the empty arena.
+pub(crate) fn see_with(
+    bytes: Vec<u8>,
+    args: &VisionArgs,
+    sight: Sight,
+    (camera, empty): (Option<Camera>, Option<PathBuf>),
+) -> Result<SeenPhoto, CliError> {
     let started = Instant::now();
     let photo = vision::decode(&bytes)?;
     let decode_time = started.elapsed();
     let arena = arena_of(args)?;
-    let camera_file = args.camera.as_deref().map(read_camera).transpose()?;
-    let empty = empty_picture(args, camera_file.as_ref())?;
     let options = DetectOptions {
         method: match args.method {
             MethodName::Robust => Method::Robust,
@@ -221,7 +231,7 @@ pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<See
         ignored: args.ignore.clone(),
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
-        camera: camera_file.map(|file| file.main),
+        camera,
         empty: empty.as_deref().map(read_picture).transpose()?,
         ..DetectOptions::default()
     };

@@ -32,6 +32,20 @@ pub(crate) fn change(text: &str) -> Result<Change, String> {
     checked(place, value)
 }
 
+/// A change of the number called `name`.
+pub(crate) fn named_change(name: &str, value: f32) -> Result<Change, String> {
+    checked(place(name)?, value)
+}
+
+/// `parameters` with these changes.
+pub(crate) fn changed(parameters: Parameters, changes: &[Change]) -> Parameters {
+    let mut values = parameters.values();
+    for Change { place, value } in changes {
+        values[*place] = *value;
+    }
+    parameters.with_values(values)
+}
+
 fn place(name: &str) -> Result<usize, String> {
     let names = || FIELDS.each_ref().map(|field| field.name).join(", ");
     let found = FIELDS.iter().position(|field| field.name == name.trim());

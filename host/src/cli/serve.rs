@@ -4,18 +4,26 @@ use super::args::{DemoArgs, ServeArgs};
 use super::error::CliError;
 use super::output::Output;
 use crate::dashboard::{self, Settings};
+use std::path::PathBuf;
 
 /// `wmr serve`.
 pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
     let settings = Settings {
-        address: args.addr.clone(),
+        address: if args.lan { on_all_networks(&args.addr) } else { args.addr.clone() },
         port: args.port.clone(),
         speed: args.sim_speed,
         seed: args.sim_seed,
+        log: args.log.clone(),
         open: !args.no_open,
         sample: false,
     };
     dashboard::serve(&settings, output)
+}
+
+/// The same port at every address of this computer.
+fn on_all_networks(address: &str) -> String {
+    let port = address.rsplit(':').next().unwrap_or(address);
+    format!("0.0.0.0:{port}")
 }
 
 /// `wmr demo --page`: the demo's photo on the page, at any free address.
@@ -25,6 +33,7 @@ pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         port: args.port.clone(),
         speed: 1.0,
         seed: 1,
+        log: PathBuf::from("wmr-runs"),
         open: true,
         sample: true,
     };

@@ -3,31 +3,31 @@
 //! Each has a revision that grows with every change; a page that shows an older one fetches it anew.
 //! What rests on something that has changed is taken off: a plan never outlives its scene.
 
+use super::corrections::Corrections;
 use super::error::Failure;
+use super::planned::plan_document;
+use super::reading::Reading;
 use super::requests::{DetectRequest, PlanRequest};
-use crate::cli::args::{VisionArgs, WayArgs};
+use crate::cli::args::WayArgs;
 use crate::cli::demo;
 use crate::cli::detect::detection_document;
 use crate::cli::error::CliError;
 use crate::cli::input::{self, SeenPhoto, Sight};
 use crate::cli::output::Output;
-use crate::cli::way::{self, MarginRule, PlannedWay};
+use crate::cli::way::PlannedWay;
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use std::sync::Arc;
 use wmr::geometry::Arena;
-use wmr::legs::{DEFAULT_LIMITS, planned_poses};
-use wmr::scene::{DEFAULT_ROBOT_RADIUS, Scene};
+use wmr::picture::vision::NamedPicture;
+use wmr::scene::{DEFAULT_ROBOT_RADIUS, Obstacle, Scene};
 use wmr::vision;
 
 /// Nothing is printed while a request is worked on: what there is to say goes back to the page.
-const SILENT: Output = Output { json: true, quiet: true };
+pub(super) const SILENT: Output = Output { json: true, quiet: true };
 
 /// More obstacles than this are no arena that a person edits; planning would keep the page waiting.
 const MOST_OBSTACLES: usize = 2000;
-
-/// So many moments of a plan are shown in advance.
-const MOST_PREVIEWS: usize = 120;
 
 /// All that people work on.
 #[derive(Debug)]
@@ -37,6 +37,11 @@ pub(super) struct Desk {
     robot_radius: f64,
     /// Corners that were moved by hand.
     corners: Option<[[f64; 2]; 4]>,
+    reading: Reading,
+    /// What was corrected before the scene that lies here.
+    corrections: Corrections,
+    /// The pictures of the steps that were asked for last.
+    pub(super) steps: Arc<Vec<NamedPicture>>,
     pub(super) scene: Option<DeskScene>,
     pub(super) plan: Option<DeskPlan>,
     pub(super) revisions: Revisions,
@@ -65,6 +70,8 @@ pub(super) struct DeskScene {
     scene: Scene,
     /// The document of `wmr detect --json`, if a photo was looked at.
     detection: Option<Value>,
+    /// What was recognised, before it was corrected.
+    recognised: Vec<Obstacle>,
 }
 
 /// What came of planning.
@@ -80,6 +87,9 @@ impl Default for Desk {
             arena: None,
             robot_radius: DEFAULT_ROBOT_RADIUS,
             corners: None,
+            reading: Reading::default(),
+            corrections: Corrections::default(),
+            steps: Arc::default(),
             scene: None,
             plan: None,
             revisions: Revisions::default(),
@@ -118,6 +128,7 @@ impl Desk {
         self.corners = None;
         self.revisions.photo += 1;
         self.take_off_scene();
+        self.corrections = Corrections::default();
     }
 
     /// Lays the bundled photo on the desk, with its arena's size.
@@ -150,24 +161,36 @@ impl Desk {
         })?;
         let arena = request.arena.or(self.arena);
         let robot_radius = request.robot_radius.unwrap_or(self.robot_radius);
+        let reading = request.reading.clone().unwrap_or_else(|| self.reading.clone());
+        reading.check()?;
         Ok(Look {
             photo,
             arena,
             robot_radius,
+            reading,
+            afresh: request.afresh,
             corners: self.corners,
             revision: self.revisions.photo,
         })
     }
 
-    /// Lays down what was seen, unless the photo has changed meanwhile; the document of `wmr detect`.
+    /// Lays down what was seen, corrected as before, unless the photo has changed meanwhile; the document of
+    /// `wmr detect`.
     pub(super) fn take_detection(&mut self, look: &Look, seen: &SeenPhoto) -> Value {
         let document = detection_document(seen, look.robot_radius);
         if look.revision == self.revisions.photo && look.corners == self.corners {
+            let is_same_arena = self.arena == look.arena;
             self.arena = look.arena;
             self.robot_radius = look.robot_radius;
+            self.reading = look.reading.clone();
             self.take_off_scene();
-            let scene = seen.scene(Some(look.robot_radius));
-            self.scene = Some(DeskScene { scene, detection: Some(document.clone()) });
+            if look.afresh || !is_same_arena {
+                self.corrections = Corrections::default();
+            }
+            let mut scene = seen.scene(Some(look.robot_radius));
+            let recognised = scene.obstacles.clone();
+            scene.obstacles = self.corrections.applied_to(&recognised);
+            self.scene = Some(DeskScene { scene, detection: Some(document.clone()), recognised });
         }
         document
     }
@@ -180,12 +203,16 @@ impl Desk {
             self.corners = None;
             self.revisions.photo += 1;
         }
-        let detection = self.scene.take().and_then(|last| last.detection);
+        let (last, earlier) = (self.scene.clone(), self.corrections.clone());
         self.take_off_scene();
         self.arena = Some(scene.arena);
         self.robot_radius = scene.robot_radius;
-        let detection = detection.filter(|_| self.photo.is_some());
-        self.scene = Some(DeskScene { scene, detection });
+        let last = last.filter(|_| self.photo.is_some());
+        let is_seen = last.as_ref().is_some_and(|last| last.detection.is_some());
+        self.corrections = if is_seen { earlier } else { Corrections::default() };
+        let (detection, recognised) =
+            last.map(|last| (last.detection, last.recognised)).unwrap_or_default();
+        self.scene = Some(DeskScene { scene, detection, recognised });
         Ok(())
     }
 
@@ -209,21 +236,55 @@ impl Desk {
         scene: Scene,
         result: Result<(Box<PlannedWay>, WayArgs), CliError>,
     ) -> Revisions {
-        let detection = self.scene.take().and_then(|desk| desk.detection);
+        let last = self.scene.take();
+        let (detection, recognised) =
+            last.map(|desk| (desk.detection, desk.recognised)).unwrap_or_default();
         self.arena = Some(scene.arena);
         self.robot_radius = scene.robot_radius;
         self.revisions.scene += 1;
-        self.scene = Some(DeskScene { scene, detection });
+        self.scene = Some(DeskScene { scene, detection, recognised });
         self.revisions.plan += 1;
         self.plan = Some(DeskPlan { result });
         self.revisions
     }
 
+    /// What a person has corrected of what was recognised.
+    fn corrections(&self) -> Corrections {
+        match &self.scene {
+            Some(DeskScene { scene, detection: Some(_), recognised }) => {
+                Corrections::between(recognised, &scene.obstacles, &self.corrections)
+            }
+            _ => self.corrections.clone(),
+        }
+    }
+
+    /// Looks once more, keeping the pictures of the steps; what was planned is drawn as well.
+    pub(super) fn steps(&self) -> (Option<Look>, Option<Box<PlannedWay>>, f64) {
+        let look = self.look(&DetectRequest::default()).ok();
+        let look = look.filter(|look| look.arena.is_some());
+        let way = self.plan.as_ref().and_then(|plan| plan.result.as_ref().ok());
+        (look, way.map(|(way, _)| way.clone()), self.robot_radius)
+    }
+
     fn take_off_scene(&mut self) {
+        self.corrections = self.corrections();
         self.scene = None;
         self.plan = None;
         self.revisions.scene += 1;
         self.revisions.plan += 1;
+    }
+
+    /// The outlines of what was recognised and is no obstacle, as in a scene.
+    fn erased(&self) -> Value {
+        let arena = self.arena.unwrap_or(Arena { width: 1.0, height: 1.0 });
+        let mut scene = Scene::new(arena.width, arena.height);
+        scene.obstacles = self.corrections().erased.into_iter().map(Obstacle::from).collect();
+        json!(scene)["obstacles"].clone()
+    }
+
+    /// The scene as a file has it.
+    pub(super) fn scene_file(&self) -> Option<Value> {
+        self.scene.as_ref().map(|desk| json!(desk.scene))
     }
 
     /// Everything on the desk.
@@ -243,6 +304,8 @@ impl Desk {
             "arena": self.arena,
             "robot_radius": self.robot_radius,
             "corners_px": self.corners,
+            "reading": self.reading,
+            "erased": self.erased(),
             "detection": self.scene.as_ref().and_then(|desk| desk.detection.as_ref()),
             "scene": scene,
             "plan": plan,
@@ -256,49 +319,26 @@ pub(super) struct Look {
     photo: Arc<DeskPhoto>,
     arena: Option<Arena>,
     robot_radius: f64,
+    reading: Reading,
+    afresh: bool,
     corners: Option<[[f64; 2]; 4]>,
     revision: u64,
 }
 
 impl Look {
     /// Looks.
-    pub(super) fn see(&self) -> Result<SeenPhoto, Failure> {
-        let args = VisionArgs { arena: self.arena, corners: self.corners, ..VisionArgs::default() };
-        let sight = Sight {
-            radius: Some(self.robot_radius),
-            resolution: 1.0,
-            keep_steps: false,
-            start: None,
-        };
-        Ok(input::see(self.photo.bytes.clone(), &args, sight)?)
+    pub(super) fn see(&self, keep_steps: bool) -> Result<SeenPhoto, Failure> {
+        let mut args = self.reading.vision_args()?;
+        args.arena = self.arena;
+        args.corners = self.corners;
+        if args.corners.is_some() {
+            // Where a person has put the corners they are.
+            args.tags = None;
+        }
+        let sight =
+            Sight { radius: Some(self.robot_radius), resolution: 1.0, keep_steps, start: None };
+        Ok(input::see_with(self.photo.bytes.clone(), &args, sight, (self.reading.camera(), None))?)
     }
-}
-
-/// Plans in `scene` as for a drive.
-pub(super) fn plan(scene: &Scene, args: &WayArgs) -> Result<Box<PlannedWay>, CliError> {
-    let planner = way::planner(args.planner);
-    way::plan_way(scene, planner, args, MarginRule::ForDriving, SILENT).map(Box::new)
-}
-
-/// The document of `wmr plan --json`, with what that command would say beside it.
-pub(super) fn plan_document(way: &PlannedWay, args: &WayArgs) -> Value {
-    let mut document = json!(way.file);
-    let legs = way::legs_of(&way.file, args, &DEFAULT_LIMITS);
-    let poses = planned_poses(&legs, &DEFAULT_LIMITS);
-    let every = poses.len().div_ceil(MOST_PREVIEWS).max(1);
-    let preview: Vec<_> = poses.iter().step_by(every).chain(poses.last()).collect();
-    if let Some(fields) = document.as_object_mut() {
-        let exit_leg = way.plan.as_ref().and_then(|plan| plan.exit_leg);
-        fields.insert("margin".into(), json!(way.options.margin));
-        fields.insert("exit_leg".into(), json!(exit_leg));
-        let preview = preview.iter().map(|(time, pose)| {
-            let [x, y, heading] = <[f64; 3]>::from(*pose);
-            let corner = way::origin(&way.file.scene);
-            json!([time, x + corner.x, y + corner.y, heading])
-        });
-        fields.insert("preview".into(), preview.collect());
-    }
-    document
 }
 
 /// A scene as in a file.

@@ -25,7 +25,7 @@ macro_rules! files {
 }
 
 /// Name, kind and text of each file that the page asks for.
-pub(super) const FILES: [(&str, &str, &str); 15] = files! {
+pub(super) const FILES: [(&str, &str, &str); 21] = files! {
     "style.css": CSS,
     "app.js": JAVASCRIPT,
     "api.js": JAVASCRIPT,
@@ -41,6 +41,12 @@ pub(super) const FILES: [(&str, &str, &str); 15] = files! {
     "drive.js": JAVASCRIPT,
     "bar.js": JAVASCRIPT,
     "camera.js": JAVASCRIPT,
+    "reading.js": JAVASCRIPT,
+    "steps.js": JAVASCRIPT,
+    "plots.js": JAVASCRIPT,
+    "runs.js": JAVASCRIPT,
+    "base.js": JAVASCRIPT,
+    "calibrate.js": JAVASCRIPT,
 };
 
 /// The page. Beyond loopback only who has the token gets here; a browser on this computer gets the token

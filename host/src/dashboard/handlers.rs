@@ -1,24 +1,25 @@
 //! What each request does. Nothing here waits for the robot: an order is queued or a wish is set.
 
-use super::desk::{self, DeskPhoto};
+use super::desk::DeskPhoto;
 use super::error::Failure;
 use super::requests::{
-    CornersRequest, DetectRequest, DriveRequest, JogRequest, PlanRequest, SampleRequest,
+    CornersRequest, DetectRequest, DriveRequest, HoldName, JogRequest, PlanRequest, SampleRequest,
 };
-use super::robot::{Motion, Order};
-use super::{Dashboard, lock};
+use super::robot::{Order, Task};
+use super::{Dashboard, base, lock, planned, steps};
 use crate::cli::error::CliError;
 use crate::cli::way;
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::State;
+use axum::extract::{Path, State};
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use std::sync::Arc;
 
-type Answer = Result<Json<Value>, Failure>;
+pub(super) type Answer = Result<Json<Value>, Failure>;
 
 /// A jog goes at most so far, metres: a held key asks again.
 const MOST_JOG: f64 = 0.05;
@@ -34,6 +35,7 @@ fn state_document(dashboard: &Dashboard) -> Value {
     let mut document = lock(&dashboard.desk).document();
     let live = lock(&dashboard.live);
     if let Some(fields) = document.as_object_mut() {
+        fields.insert("faults".into(), json!(dashboard.faults.get()));
         fields.insert("run".into(), live.run_document());
         fields.insert("base".into(), live.base_document());
         fields.insert("drive".into(), live.drive_document(dashboard.controls.is_paused()));
@@ -93,12 +95,49 @@ pub(super) async fn detect(State(dashboard): State<Dashboard>, body: Bytes) -> A
     let (look, seen) = dashboard
         .jobs
         .run(move || {
-            let seen = look.see()?;
+            let seen = look.see(false)?;
             Ok((look, seen))
         })
         .await?;
     let document = lock(&dashboard.desk).take_detection(&look, &seen);
     Ok(Json(document))
+}
+
+/// The scene as a file, corrections and all.
+pub(super) async fn scene_file(State(dashboard): State<Dashboard>) -> Answer {
+    let scene = lock(&dashboard.desk).scene_file();
+    scene.map(Json).ok_or_else(|| {
+        Failure::missing(
+            "scene.none",
+            "there is no scene yet",
+            "choose a photo and let it be recognised",
+        )
+    })
+}
+
+/// Draws the steps from the photo to the path.
+pub(super) async fn steps(State(dashboard): State<Dashboard>) -> Answer {
+    let (look, way, radius) = lock(&dashboard.desk).steps();
+    let pictures = dashboard
+        .jobs
+        .run(move || planned::draw_steps(look.as_ref(), way.as_deref(), radius))
+        .await?;
+    let document = steps::document(&pictures);
+    lock(&dashboard.desk).steps = Arc::new(pictures);
+    Ok(Json(document))
+}
+
+/// A picture of the steps that were drawn last.
+pub(super) async fn step(
+    State(dashboard): State<Dashboard>,
+    Path(name): Path<String>,
+) -> Result<Response, Failure> {
+    let pictures = lock(&dashboard.desk).steps.clone();
+    let Some(picture) = pictures.iter().find(|picture| picture.name == name) else {
+        return Err(unknown().await);
+    };
+    let head = [(CONTENT_TYPE, steps::content_type(&name)), (CACHE_CONTROL, "no-store")];
+    Ok((head, picture.bytes.clone()).into_response())
 }
 
 /// A scene that was drawn or corrected by hand.
@@ -117,9 +156,9 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
     let (scene, args, result, answer) = dashboard
         .jobs
         .run(move || {
-            let result = desk::plan(&scene, &args);
+            let result = planned::plan(&scene, &args);
             let answer = match &result {
-                Ok(way) => Ok(desk::plan_document(way, &args)),
+                Ok(way) => Ok(planned::plan_document(way, &args)),
                 Err(error) => Err(error.clone()),
             };
             Ok((scene, args, result, answer))
@@ -149,7 +188,7 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
 /// Drives the plan on the desk.
 pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
     let request: DriveRequest = parse_or_default(&body)?;
-    let (way, args) = {
+    let (way, args, photo) = {
         let desk = lock(&dashboard.desk);
         if request.plan.is_some_and(|seen| seen != desk.revisions.plan) {
             return Err(Failure::missing(
@@ -159,7 +198,7 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
             ));
         }
         match desk.plan.as_ref().map(|plan| &plan.result) {
-            Some(Ok((way, args))) => (way.clone(), args.clone()),
+            Some(Ok((way, args))) => (way.clone(), args.clone(), desk.photo.clone()),
             _ => {
                 return Err(Failure::missing(
                     "plan.none",
@@ -170,17 +209,28 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
         }
     };
     dashboard.controls.set_unattended(request.unattended);
-    order(&dashboard, Motion::Drive(way, args))
+    order(&dashboard, Task::Drive(way, args, photo))
 }
 
 /// Moves the robot a little.
 pub(super) async fn jog(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
-    let motion = match parse(&body)? {
-        JogRequest { distance: Some(distance), turn: None } if distance.abs() <= MOST_JOG => {
-            Motion::Ahead(distance)
+    let task = match parse(&body)? {
+        JogRequest { distance: None, turn: None, hold: Some(hold), begin } => {
+            let hold = match hold {
+                HoldName::Held(hold) => Some(hold),
+                HoldName::LetGo(_) => None,
+            };
+            return base::hold(&dashboard, hold, begin);
         }
-        JogRequest { distance: None, turn: Some(turn) } if turn.abs() <= MOST_JOG_TURN => {
-            Motion::Turn(turn)
+        JogRequest { distance: Some(distance), turn: None, hold: None, .. }
+            if distance.abs() <= MOST_JOG =>
+        {
+            Task::Ahead(distance)
+        }
+        JogRequest { distance: None, turn: Some(turn), hold: None, .. }
+            if turn.abs() <= MOST_JOG_TURN =>
+        {
+            Task::Turn(turn)
         }
         _ => {
             return Err(Failure::bad_request(format!(
@@ -188,10 +238,10 @@ pub(super) async fn jog(State(dashboard): State<Dashboard>, body: Bytes) -> Answ
             )));
         }
     };
-    order(&dashboard, motion)
+    order(&dashboard, task)
 }
 
-fn order(dashboard: &Dashboard, motion: Motion) -> Answer {
+pub(super) fn order(dashboard: &Dashboard, task: Task) -> Answer {
     let busy = || Failure::missing("robot.busy", "the robot is under way", "wait, or stop it");
     let mut live = lock(&dashboard.live);
     if live.run.active {
@@ -199,7 +249,10 @@ fn order(dashboard: &Dashboard, motion: Motion) -> Answer {
     }
     dashboard.controls.set_paused(false);
     let stops = dashboard.controls.stops();
-    dashboard.orders.try_send(Order { motion, stops }).map_err(|_| busy())?;
+    if let Task::Held(hold) = task {
+        dashboard.controls.begin_holding(hold);
+    }
+    dashboard.orders.try_send(Order { task, stops }).map_err(|_| busy())?;
     live.run.begin();
     Ok(Json(json!({"run": live.run.revision})))
 }
@@ -237,10 +290,10 @@ pub(super) async fn unknown() -> Failure {
     Failure::new(StatusCode::NOT_FOUND, "http.path", "there is nothing here", "the page is at /")
 }
 
-fn parse<T: DeserializeOwned>(body: &Bytes) -> Result<T, Failure> {
+pub(super) fn parse<T: DeserializeOwned>(body: &Bytes) -> Result<T, Failure> {
     serde_json::from_slice(body).map_err(Failure::bad_request)
 }
 
-fn parse_or_default<T: DeserializeOwned + Default>(body: &Bytes) -> Result<T, Failure> {
+pub(super) fn parse_or_default<T: DeserializeOwned + Default>(body: &Bytes) -> Result<T, Failure> {
     if body.is_empty() { Ok(T::default()) } else { parse(body) }
 }

@@ -1,10 +1,12 @@
 //! What the robot thread tells the requests, and what they tell it.
 
+use super::lock;
 use crate::cli::run::state_name;
 use protocol::message::{BatteryReport, RobotHello, State, Telemetry};
 use serde_json::{Value, json};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use wmr::geometry::Point;
 use wmr::legs::from_wire;
 
@@ -17,11 +19,49 @@ pub(super) struct Controls {
     /// The drive goes on although nobody watches it.
     unattended: AtomicBool,
     ended: AtomicBool,
+    /// The button that is held, and since when nobody has said so again.
+    held: Mutex<Option<(Hold, Instant)>>,
 }
+
+/// Where a robot moves while a button is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Hold {
+    Ahead,
+    Back,
+    Left,
+    Right,
+}
+
+/// A button that nobody says is held for so long is let go: as patient as the robot is with its host.
+const HOLD_PATIENCE: Duration = Duration::from_millis(300);
 
 impl Controls {
     pub(super) fn stop(&self) {
         self.stops.fetch_add(1, Ordering::SeqCst);
+        self.let_go();
+    }
+
+    /// A button is pressed.
+    pub(super) fn begin_holding(&self, hold: Hold) {
+        *lock(&self.held) = Some((hold, Instant::now()));
+    }
+
+    /// It is still held; whether it was until now.
+    pub(super) fn keep_holding(&self, hold: Hold) -> bool {
+        let mut held = lock(&self.held);
+        let is_held =
+            matches!(*held, Some((last, since)) if last == hold && since.elapsed() < HOLD_PATIENCE);
+        *held = is_held.then(|| (hold, Instant::now()));
+        is_held
+    }
+
+    pub(super) fn let_go(&self) {
+        *lock(&self.held) = None;
+    }
+
+    pub(super) fn is_held(&self, hold: Hold) -> bool {
+        matches!(*lock(&self.held), Some((last, since)) if last == hold && since.elapsed() < HOLD_PATIENCE)
     }
 
     pub(super) fn stops(&self) -> u64 {
@@ -89,6 +129,10 @@ pub(super) struct RunStatus {
     pub(super) error: Option<Value>,
     /// The lines of `run.jsonl`.
     pub(super) lines: String,
+    /// Where a course of a calibration has ended: believed and, if anybody knows, truly.
+    pub(super) course: Option<Value>,
+    /// The name under which the drive is kept, or why it is not.
+    pub(super) kept: Option<Result<String, String>>,
 }
 
 impl Live {
@@ -102,6 +146,12 @@ impl Live {
             problem: None,
             run: RunStatus::default(),
         }
+    }
+
+    /// Another robot from now on, of which nothing is known.
+    pub(super) fn connect_to(&mut self, port: &str) {
+        let run = std::mem::take(&mut self.run);
+        *self = Self { run, ..Self::new(port) };
     }
 
     /// Takes in what the robot said.
@@ -166,6 +216,9 @@ impl Live {
             "trail": run.trail,
             "report": run.report,
             "error": run.error,
+            "course": run.course,
+            "kept": run.kept.as_ref().and_then(|kept| kept.as_ref().ok()),
+            "not_kept": run.kept.as_ref().and_then(|kept| kept.as_ref().err()),
         })
     }
 }

@@ -10,30 +10,45 @@
 //! no lock that is held for longer than a copy and waits for no request: whatever a page sends, it
 //! drives, pauses and stops. SI units and radians; pixels only for corners and photos.
 
+mod archive;
+mod base;
+mod calibrating;
+mod corrections;
 mod desk;
+mod driving;
 mod error;
+mod faults;
 mod files;
+mod frames;
 mod handlers;
 mod jobs;
 mod live;
 mod paced;
+mod planned;
+mod reading;
 mod requests;
 mod robot;
 mod router;
 mod security;
+mod service;
 mod socket;
 mod status;
+mod steps;
 
 use crate::cli::error::{CliError, Exit};
 use crate::cli::mission::{catch_interrupts, interrupted};
 use crate::cli::output::Output;
+use archive::Archive;
 use desk::Desk;
+use faults::FaultWish;
+use frames::FrameLog;
 use jobs::Jobs;
 use live::{Controls, Live};
 use robot::{Order, RobotSettings};
 use security::{Guard, Token};
 use serde_json::json;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -51,6 +66,8 @@ pub(crate) struct Settings {
     pub(crate) speed: f64,
     /// Which of many slightly different robots is simulated.
     pub(crate) seed: u64,
+    /// Where drives are kept.
+    pub(crate) log: PathBuf,
     /// Whether to show the page in the browser.
     pub(crate) open: bool,
     /// Whether the bundled photo lies on the desk already.
@@ -65,6 +82,11 @@ struct Dashboard {
     controls: Arc<Controls>,
     jobs: Jobs,
     orders: SyncSender<Order>,
+    /// The port that the program was started with.
+    first_port: Arc<str>,
+    faults: FaultWish,
+    frames: FrameLog,
+    archive: Archive,
     guard: Arc<Guard>,
     /// The state as the sockets get it, made once for all of them.
     status: watch::Sender<axum::extract::ws::Utf8Bytes>,
@@ -115,8 +137,16 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
 fn start(settings: &Settings, address: SocketAddr) -> (Dashboard, std::thread::JoinHandle<()>) {
     let live = Arc::new(Mutex::new(Live::new(&settings.port)));
     let controls = Arc::new(Controls::default());
-    let robot_settings =
-        RobotSettings { port: settings.port.clone(), speed: settings.speed, seed: settings.seed };
+    let (faults, frames) = (FaultWish::default(), FrameLog::default());
+    let archive = Archive::new(&settings.log);
+    let robot_settings = RobotSettings {
+        port: settings.port.clone(),
+        speed: settings.speed,
+        seed: settings.seed,
+        faults: faults.clone(),
+        frames: frames.clone(),
+        archive: archive.clone(),
+    };
     let (orders, thread) = robot::spawn(robot_settings, live.clone(), controls.clone());
     let dashboard = Dashboard {
         desk: Arc::default(),
@@ -124,6 +154,10 @@ fn start(settings: &Settings, address: SocketAddr) -> (Dashboard, std::thread::J
         controls,
         jobs: Jobs::default(),
         orders,
+        first_port: settings.port.as_str().into(),
+        faults,
+        frames,
+        archive,
         guard: Arc::new(Guard { address, token: Token::random() }),
         status: watch::Sender::default(),
     };
@@ -141,6 +175,9 @@ fn announce(settings: &Settings, guard: &Guard, output: Output) -> Result<(), Cl
     output.say(&format!("wmr at {place}  (robot: {}; Ctrl-C ends it)", settings.port));
     if let Some(address) = guard.network_address() {
         output.say(&format!("in this network: {address}  (who has it can drive the robot)"));
+        if let Some(code) = qr_code(&address) {
+            output.say(&code);
+        }
     }
     if settings.open {
         open_in_browser(&place);
@@ -150,6 +187,15 @@ fn announce(settings: &Settings, guard: &Guard, output: Output) -> Result<(), Cl
         return output.result(&document, "");
     }
     Ok(())
+}
+
+/// The address for a phone's camera, two modules a character: on a dark terminal dark on light, on a light one
+/// the other way round, which today's phones read as well.
+fn qr_code(address: &str) -> Option<String> {
+    use qrcode::render::unicode::Dense1x2;
+    let code = qrcode::QrCode::new(address).ok()?;
+    let mut drawing = code.render::<Dense1x2>();
+    Some(drawing.dark_color(Dense1x2::Light).light_color(Dense1x2::Dark).build())
 }
 
 /// Asks the desktop to show the page; where there is none, the address is printed all the same.

@@ -1,5 +1,7 @@
 //! A simulated robot in step with the clock on the wall, for people who watch it; a real one as it is.
 
+use super::faults::FaultWish;
+use super::frames::{FrameLog, FrameTap};
 use crate::cli::endpoint::Endpoint;
 use hil_sim::simulation::Truth;
 use std::io::{self, Read, Write};
@@ -14,12 +16,21 @@ pub(super) struct Paced {
     endpoint: Box<dyn Endpoint>,
     speed: f64,
     last: Instant,
+    tap: FrameTap,
+    faults: FaultWish,
+    faults_known: u64,
 }
 
 impl Paced {
     /// `endpoint`, if simulated at `speed`, from now on.
-    pub(super) fn new(endpoint: Box<dyn Endpoint>, speed: f64) -> Self {
-        Self { endpoint, speed, last: Instant::now() }
+    pub(super) fn new(
+        endpoint: Box<dyn Endpoint>,
+        speed: f64,
+        frames: FrameLog,
+        faults: FaultWish,
+    ) -> Self {
+        let (last, tap) = (Instant::now(), FrameTap::new(frames));
+        Self { endpoint, speed, last, tap, faults, faults_known: 0 }
     }
 
     pub(super) fn nonce(&self) -> u32 {
@@ -33,13 +44,19 @@ impl Paced {
 
 impl Read for Paced {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.endpoint.read(buffer)
+        let length = self.endpoint.read(buffer)?;
+        let now = self.endpoint.now();
+        self.tap.received(buffer.get(..length).unwrap_or_default(), now);
+        Ok(length)
     }
 }
 
 impl Write for Paced {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.endpoint.write(buffer)
+        let length = self.endpoint.write(buffer)?;
+        let now = self.endpoint.now();
+        self.tap.sent(buffer.get(..length).unwrap_or_default(), now);
+        Ok(length)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -56,6 +73,7 @@ impl TimedPort for Paced {
         if self.endpoint.truth().is_none() {
             return self.endpoint.wait(duration);
         }
+        self.faults.bring(&mut *self.endpoint, &mut self.faults_known);
         std::thread::sleep(duration.div_f64(self.speed));
         let gap = self.last.elapsed();
         self.last += gap;

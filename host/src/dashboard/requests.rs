@@ -2,10 +2,13 @@
 //! drive with a default.
 
 use super::error::Failure;
+use super::live::Hold;
+use super::reading::Reading;
 use crate::cli::args::WayArgs;
 use clap::ValueEnum;
 use serde::Deserialize;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use wmr::geometry::Arena;
 use wmr::scene::Goal;
 
@@ -30,6 +33,11 @@ pub(super) struct CornersRequest {
 pub(super) struct DetectRequest {
     pub(super) arena: Option<Arena>,
     pub(super) robot_radius: Option<f64>,
+    /// Takes the place of the last one as a whole.
+    pub(super) reading: Option<Reading>,
+    /// Whether to forget what a person has corrected.
+    #[serde(default)]
+    pub(super) afresh: bool,
 }
 
 /// `POST /api/plan`; what is not given stays as it was.
@@ -59,7 +67,24 @@ pub(super) struct DriveRequest {
     pub(super) unattended: bool,
 }
 
-/// `POST /api/jog`: one of the two.
+/// `POST /api/connect`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConnectRequest {
+    pub(super) port: String,
+}
+
+/// `POST /api/parameters`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ParametersRequest {
+    /// Numbers to change, by their names; none only reads.
+    pub(super) values: BTreeMap<String, f64>,
+    /// Whether the robot is to keep them when it loses power.
+    pub(super) keep: bool,
+}
+
+/// `POST /api/jog`: a step, or a button that is held or let go.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JogRequest {
@@ -67,6 +92,24 @@ pub(super) struct JogRequest {
     pub(super) distance: Option<f64>,
     /// Radians to the left; to the right if negative.
     pub(super) turn: Option<f64>,
+    /// A button that is held, to be said again before 0.3 s have passed; `"none"` lets it go.
+    pub(super) hold: Option<HoldName>,
+    /// Whether it was pressed just now.
+    #[serde(default)]
+    pub(super) begin: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub(super) enum HoldName {
+    Held(Hold),
+    LetGo(LetGo),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LetGo {
+    None,
 }
 
 impl PlanRequest {

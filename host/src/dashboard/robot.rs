@@ -3,26 +3,33 @@
 //! It waits for nobody but its port: orders come through a queue that is looked at between drives, pause
 //! and stop through [`Controls`], which are read at each step of 2 ms.
 
-use super::live::{Controls, Live, RunStatus};
+use super::archive::Archive;
+use super::calibrating::CalibrateTask;
+use super::desk::DeskPhoto;
+use super::faults::FaultWish;
+use super::frames::FrameLog;
+use super::live::{Controls, Hold, Live, RunStatus};
 use super::lock;
 use super::paced::Paced;
-use crate::cli::args::{TimingName, WayArgs};
+use super::service::ParameterTask;
+use crate::cli::args::WayArgs;
 use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
-use crate::cli::run::{Run, RunClock};
-use crate::cli::way::{self, PlannedWay};
+use crate::cli::run::Run;
+use crate::cli::way::PlannedWay;
 use hil_sim::base::TruePose;
 use protocol::message::Report;
-use protocol::motion::{self, Leg, Limits, Timing};
+use protocol::motion::Limits;
+use protocol::parameters::Parameters;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use wmr::geometry::{Point, Pose};
-use wmr::legs::{LegOptions, from_wire, planned_end, to_legs};
-use wmr::link::drive::{DriveError, DriveEvent, TimedPort, Wish, drive_as_wished, wait_for};
-use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::calibration::Course;
+use wmr::geometry::Point;
+use wmr::legs::planned_end;
+use wmr::link::drive::{TimedPort, wait_for};
 use wmr::link::{LinkClient, LinkError};
 
 /// Which robot.
@@ -31,23 +38,35 @@ pub(super) struct RobotSettings {
     pub(super) port: String,
     pub(super) speed: f64,
     pub(super) seed: u64,
+    pub(super) faults: FaultWish,
+    pub(super) frames: FrameLog,
+    pub(super) archive: Archive,
 }
 
 /// What the robot is to do next.
 #[derive(Debug)]
 pub(super) struct Order {
-    pub(super) motion: Motion,
+    pub(super) task: Task,
     /// How many stops there had been when this was asked for.
     pub(super) stops: u64,
 }
 
 #[derive(Debug)]
-pub(super) enum Motion {
-    Drive(Box<PlannedWay>, WayArgs),
+pub(super) enum Task {
+    /// The way, and the photo in which it was planned.
+    Drive(Box<PlannedWay>, WayArgs, Option<Arc<DeskPhoto>>),
     /// So far ahead of where it stands, or behind; metres.
     Ahead(f64),
     /// So far to the left, radians.
     Turn(f64),
+    /// For as long as somebody holds a button.
+    Held(Hold),
+    /// Another port from now on.
+    Connect(String),
+    Parameters(ParameterTask),
+    /// One of the courses of a calibration.
+    Course(Course),
+    Calibrate(CalibrateTask),
 }
 
 /// A step of the link between drives.
@@ -76,10 +95,13 @@ pub(super) fn spawn(
             client: None,
             next_try: Instant::now(),
             stops: 0,
+            deadman: None,
+            own_parameters: None,
         };
         // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can begin anew.
         while catch_unwind(AssertUnwindSafe(|| robot.run(&orders))).is_err() {
             robot.client = None;
+            robot.deadman = None;
             let help = "the robot stops by itself; drive again, and please report it";
             let error = CliError::new(Exit::Bug, "bug", "the robot's thread has failed", help);
             robot.end_run(None, Some(&error));
@@ -88,14 +110,18 @@ pub(super) fn spawn(
     (sender, thread)
 }
 
-struct RobotThread {
-    settings: RobotSettings,
-    live: Arc<Mutex<Live>>,
-    controls: Arc<Controls>,
-    client: Option<LinkClient<Paced>>,
-    next_try: Instant,
+pub(super) struct RobotThread {
+    pub(super) settings: RobotSettings,
+    pub(super) live: Arc<Mutex<Live>>,
+    pub(super) controls: Arc<Controls>,
+    pub(super) client: Option<LinkClient<Paced>>,
+    pub(super) next_try: Instant,
     /// The stops that the robot was told of.
     stops: u64,
+    /// The button that must be held for the robot to move.
+    pub(super) deadman: Option<Hold>,
+    /// The numbers that a person has given the simulated robot.
+    pub(super) own_parameters: Option<Parameters>,
 }
 
 impl RobotThread {
@@ -110,18 +136,19 @@ impl RobotThread {
         self.say_goodbye();
     }
 
-    fn is_simulated(&self) -> bool {
+    pub(super) fn is_simulated(&self) -> bool {
         self.settings.port == "sim" || self.settings.port.starts_with("elf:")
     }
 
     /// Opens the port, with `world` around a simulated robot.
-    fn open(
+    pub(super) fn open(
         &self,
         world: SimulatedWorld,
         robot: SimulatedRobot,
     ) -> Result<LinkClient<Paced>, CliError> {
         let endpoint = endpoint::open(&self.settings.port, world, robot)?;
-        let port = Paced::new(endpoint, self.settings.speed);
+        let RobotSettings { speed, frames, faults, .. } = &self.settings;
+        let port = Paced::new(endpoint, *speed, frames.clone(), faults.clone());
         let nonce = port.nonce();
         Ok(LinkClient::new(port, nonce))
     }
@@ -175,31 +202,43 @@ impl RobotThread {
         Ok(())
     }
 
-    fn lose(&mut self, error: &CliError) {
+    pub(super) fn lose(&mut self, error: &CliError) {
         self.client = None;
         self.next_try = Instant::now() + RETRY;
         lock(&self.live).lose(error.json()["error"].clone());
     }
 
     fn carry_out(&mut self, order: Order) {
+        let task = match order.task {
+            Task::Connect(port) => return self.connect(port),
+            Task::Parameters(task) => return self.serve_parameters(task),
+            Task::Calibrate(task) => return self.serve_calibration(task),
+            task => task,
+        };
         if order.stops != self.controls.stops() {
             return self.end_run(None, Some(&stopped()));
         }
-        let result = match order.motion {
-            Motion::Drive(way, args) => self.drive(&way, &args, order.stops).map(Some),
-            Motion::Ahead(distance) => self.jog(distance, 0.0, order.stops).map(|()| None),
-            Motion::Turn(angle) => self.jog(0.0, angle, order.stops).map(|()| None),
+        let result = match task {
+            Task::Drive(way, args, photo) => self.drive_and_keep(&way, &args, photo, order.stops),
+            Task::Held(hold) => self.move_held(hold, order.stops),
+            Task::Ahead(distance) => self.move_by(distance, 0.0, order.stops),
+            Task::Turn(angle) => self.move_by(0.0, angle, order.stops),
+            Task::Course(course) => self.drive_course(course, order.stops),
+            Task::Connect(_) | Task::Parameters(_) | Task::Calibrate(_) => Ok(()),
         };
         self.stops = order.stops;
+        self.end_move(result);
+    }
+
+    /// Says how a move has ended, if nobody has yet.
+    fn end_move(&mut self, result: Result<(), CliError>) {
         match result {
-            Ok(Some((run, error))) => {
-                let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
-                self.end_run(Some(&run), error.as_ref());
-                if let Some(error) = error.filter(|_| is_lost) {
-                    self.lose(&error);
+            Ok(()) => {
+                let mut live = lock(&self.live);
+                if live.run.active {
+                    live.run.end(None, None, String::new());
                 }
             }
-            Ok(None) => {}
             Err(error) => {
                 self.end_run(None, Some(&error));
                 if matches!(error.exit, Exit::Link | Exit::Port) {
@@ -209,41 +248,9 @@ impl RobotThread {
         }
     }
 
-    /// Drives a way to its end, or to where it is cut short.
-    fn drive(
-        &mut self,
-        way: &PlannedWay,
-        args: &WayArgs,
-        stops: u64,
-    ) -> Result<(Run, Option<CliError>), CliError> {
-        let file = &way.file;
-        let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
-        let start = Pose { position: first, heading: file.start_heading() };
-        if self.is_simulated() || self.client.is_none() {
-            // A simulated robot stands where the plan begins, as if somebody had put it there.
-            let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
-            let robot = match args.timing {
-                TimingName::Limits => SimulatedRobot::Default,
-                TimingName::Paper => SimulatedRobot::Paper,
-            };
-            self.client = Some(self.open(world, robot)?);
-        }
-        let limits = self.greet(stops)?;
-        let legs = way::legs_of(file, args, &limits);
-        let mut run = Run::new(legs, limits, start);
-        run.origin = way::origin(&file.scene);
-        run.goal = file.waypoints.last().copied();
-        let result = self.follow(&mut run, start, stops);
-        if let Some(client) = &mut self.client {
-            run.truth = client.port_mut().truth();
-            run.link = client.statistics();
-        }
-        Ok((run, result.err()))
-    }
-
     /// Waits until the robot has said who it is.
-    fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
-        let Some(client) = &mut self.client else { return Err(stopped()) };
+    pub(super) fn greet(&mut self, stops: u64) -> Result<Limits, CliError> {
+        let Some(client) = &mut self.client else { return Err(no_link()) };
         let controls = &self.controls;
         let robot = wait_for(
             client,
@@ -258,64 +265,7 @@ impl RobotThread {
         Ok(robot.limits)
     }
 
-    /// Follows the legs of `run` from `start`, and records how.
-    fn follow(&mut self, run: &mut Run, start: Pose, stops: u64) -> Result<(), CliError> {
-        let Some(client) = &mut self.client else { return Err(stopped()) };
-        let (live, controls) = (&self.live, &self.controls);
-        lock(live).run.legs = run.legs.iter().map(ends).collect();
-        if run.legs.is_empty() {
-            return Ok(());
-        }
-        let wire_start = to_wire(start);
-        let mut mission = Mission::new(run.legs.clone(), wire_start);
-        let mut clock = RunClock::default();
-        let wish = || match (controls.stops() != stops, controls.is_paused()) {
-            (true, _) => Wish::Stop,
-            (false, true) => Wish::Pause,
-            (false, false) => Wish::Drive,
-        };
-        let driven = drive_as_wished(client, &mut mission, wish, |event, _| {
-            let DriveEvent::Mission(event) = event else { return };
-            run.record(event, &mut clock);
-            if let MissionEvent::Telemetry(telemetry) = event {
-                let mut live = lock(live);
-                live.hear(telemetry);
-                if let Some(sample) = run.samples.last() {
-                    live.run.follow(sample.time, from_wire(telemetry.pose).position);
-                    live.run.leg = usize::from(telemetry.leg);
-                }
-            }
-        });
-        driven.map(|_| ()).map_err(|error| match error {
-            DriveError::Stopped | DriveError::StopUnconfirmed => CliError::new(
-                Exit::Robot,
-                "robot.stopped",
-                error,
-                "plan again from where it stands",
-            ),
-            DriveError::Mission(MissionError::Stopped) => stopped(),
-            error => error.into(),
-        })
-    }
-
-    /// Moves a little, from where the robot stands.
-    fn jog(&mut self, distance: f64, angle: f64, stops: u64) -> Result<(), CliError> {
-        let limits = self.greet(stops)?;
-        let Some(telemetry) = lock(&self.live).telemetry else { return Err(stopped()) };
-        let start = from_wire(telemetry.pose);
-        let (sin, cos) = start.heading.sin_cos();
-        let Point { x, y } = start.position;
-        let way = [start.position, Point::new(x + distance * cos, y + distance * sin)];
-        let goal_heading = (angle != 0.0).then_some(start.heading + angle);
-        let options = LegOptions { timing: Timing::Limits, reverse: true };
-        let legs = to_legs(&way, start.heading, goal_heading, &options, &limits);
-        let mut run = Run::new(legs, limits, start);
-        self.follow(&mut run, start, stops)?;
-        lock(&self.live).run.end(None, None, String::new());
-        Ok(())
-    }
-
-    fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
+    pub(super) fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
         let report = run.map(|run| {
             let mut report = run.document();
             if let Some(fields) = report.as_object_mut() {
@@ -350,7 +300,7 @@ impl RunStatus {
         *self = Self { revision: self.revision + 1, active: true, ..Self::default() };
     }
 
-    fn follow(&mut self, time: f64, at: Point) {
+    pub(super) fn follow(&mut self, time: f64, at: Point) {
         let last = self.trail.last().copied();
         let is_new = last.is_none_or(|last| last.distance(at) > TRAIL_STEP);
         if is_new && (last.is_none() || time - self.time_of_trail >= TRAIL_INTERVAL) {
@@ -374,15 +324,12 @@ impl RunStatus {
     }
 }
 
-fn ends(leg: &Leg) -> [Point; 2] {
-    [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
+pub(super) fn no_link() -> CliError {
+    let help = "check its port, cable and battery";
+    CliError::new(Exit::Link, "link.none", "there is no link to the robot", help)
 }
 
-fn to_wire(pose: Pose) -> motion::Pose {
-    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
-}
-
-fn stopped() -> CliError {
+pub(super) fn stopped() -> CliError {
     CliError::new(
         Exit::Robot,
         "robot.stopped",

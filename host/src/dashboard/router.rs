@@ -1,7 +1,7 @@
 //! Which request goes where, and how large and long it may be.
 
 use super::error::Failure;
-use super::{Dashboard, files, handlers, security, socket};
+use super::{Dashboard, base, files, handlers, security, socket};
 use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
@@ -30,13 +30,26 @@ pub(super) fn routes() -> Vec<(&'static str, &'static str, MethodRouter<Dashboar
         ("post", "/api/photo", photo),
         ("post", "/api/corners", post(handlers::corners)),
         ("post", "/api/detect", post(handlers::detect)),
+        ("get", "/api/scene", get(handlers::scene_file)),
         ("post", "/api/scene", post(handlers::scene)),
+        ("post", "/api/steps", post(handlers::steps)),
+        ("get", "/api/steps/{name}", get(handlers::step)),
         ("post", "/api/plan", post(handlers::plan)),
         ("post", "/api/drive", post(handlers::drive)),
         ("post", "/api/pause", post(handlers::pause)),
         ("post", "/api/resume", post(handlers::resume)),
         ("post", "/api/stop", post(handlers::stop)),
         ("post", "/api/jog", post(handlers::jog)),
+        ("get", "/api/ports", get(base::ports)),
+        ("post", "/api/connect", post(base::connect)),
+        ("post", "/api/parameters", post(base::parameters)),
+        ("post", "/api/course", post(base::course)),
+        ("post", "/api/calibrate", post(base::calibrate)),
+        ("post", "/api/faults", post(base::faults)),
+        ("get", "/api/frames", get(base::frames)),
+        ("get", "/api/runs", get(base::runs)),
+        ("get", "/api/runs/{name}", get(base::run)),
+        ("get", "/api/runs/{name}/{file}", get(base::run_file)),
         ("get", "/ws", get(socket::open)),
     ]
 }

@@ -120,7 +120,7 @@ impl Ending {
         match self {
             Self::Arrived(_) => "arrived",
             Self::Endless => "endless",
-            Self::Failed(MissionError::Fault(fault)) => match fault {
+            Self::Failed(MissionError::Fault { fault, .. }) => match fault {
                 Fault::Stall => "robot.stall",
                 Fault::NoProgress => "robot.no_progress",
                 Fault::Encoder => "robot.encoder",
@@ -145,7 +145,7 @@ fn failure(error: &MissionError) -> &'static str {
             LinkError::ClockStopped(_) => "link.clock_stopped",
             LinkError::Restarted(_) => "link.restarted",
         },
-        MissionError::Fault(_) => "robot.fault",
+        MissionError::Fault { .. } => "robot.fault",
         MissionError::Refused(_) | MissionError::TooManyLegs { .. } => "robot.refused",
         MissionError::BatteryEmpty { .. } => "robot.battery",
         MissionError::Stopped => "robot.stopped",

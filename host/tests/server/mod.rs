@@ -29,6 +29,8 @@ pub(crate) fn program(arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
     // A browser is not to be opened on the computer of whoever runs the tests.
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WMR_PORT");
+    // What is driven is kept in the current folder.
+    command.current_dir(env!("CARGO_TARGET_TMPDIR"));
     command.args(arguments).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
 }
 

@@ -4,7 +4,7 @@ mod photo;
 mod robot;
 mod way;
 
-pub(crate) use photo::{MethodName, VisionArgs};
+pub(crate) use photo::{MethodName, TagPointName, VisionArgs};
 pub(crate) use robot::{
     CalibrateBaseArgs, CalibrateCameraArgs, CalibrateCommand, CheckBaseArgs, CheckCommand,
     MonitorArgs, ParamsArgs, PortArgs,
@@ -97,9 +97,16 @@ pub(crate) struct ServeArgs {
     /// open it with the token that is printed.
     #[arg(long, default_value = "127.0.0.1:7070", value_name = "ADDR")]
     pub(crate) addr: String,
+    /// Let phones and other computers in this network open the page; the address with its token is
+    /// printed, and as a QR code for a phone's camera.
+    #[arg(long)]
+    pub(crate) lan: bool,
     /// The robot: auto, sim, elf:FILE, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "sim")]
     pub(crate) port: String,
+    /// Keep each drive in a folder of its own in this one: photo, plan, run and report; the page lists them.
+    #[arg(long, default_value = "wmr-runs", value_name = "DIR")]
+    pub(crate) log: PathBuf,
     /// Do not open the page in the browser.
     #[arg(long)]
     pub(crate) no_open: bool,

@@ -13,6 +13,8 @@ export function takeState(document) {
     photo: document.photo,
     corners: document.corners_px,
     detection: document.detection,
+    reading: document.reading,
+    faults: document.faults,
     scene: document.scene,
     margins: document.scene?.margins ?? document.scene?.obstacles.map(noMargin) ?? [],
     run: document.run,
@@ -35,7 +37,10 @@ export function takeState(document) {
     const goal = document.scene?.goal;
     state.goal = goal ? [goal[0], goal[1], goal[2] ?? null] : null;
   }
-  if (!sameScene) state.selected = null;
+  if (!sameScene) {
+    state.selected = null;
+    state.draft = [];
+  }
   changed();
 }
 
@@ -63,6 +68,19 @@ async function working(what, where, action) {
     return null;
   } finally {
     state.working = '';
+    changed();
+  }
+}
+
+/** Something quick; what goes wrong is said in the panel of that name. */
+export async function attempt(where, action) {
+  state.problem[where] = null;
+  try {
+    return await action();
+  } catch (error) {
+    state.problem[where] = error.message ? { message: error.message, help: error.help ?? '' } : { message: String(error), help: '' };
+    return null;
+  } finally {
     changed();
   }
 }
@@ -101,11 +119,13 @@ async function useScene(file) {
 /** Gives a program that was started again what this page shows. */
 export async function restore(corners) {
   const scene = state.scene && { ...state.scene, margins: state.margins, start: state.start ?? undefined, goal: undefined };
-  const { start, goal, undo } = state;
+  const { start, goal, undo, reading } = state;
   await working('', 'photo', async () => {
     if (photoBlob) {
       await sendPhoto(photoBlob);
       if (corners) await post('corners', { corners_px: corners });
+      // What was recognised tells what the person has corrected.
+      if (scene) await post('detect', { arena: scene.arena, robot_radius: state.radius, reading });
     }
     if (scene) await post('scene', scene);
     await refresh();
@@ -114,16 +134,19 @@ export async function restore(corners) {
   await replan();
 }
 
-/** Looks at the photo, in an arena of that size. */
-export async function recognise() {
-  const done = await working('Looking at the photo …', 'photo', async () => {
+/** Looks at the photo, in an arena of that size; what was corrected stays so unless it is to be looked at afresh. */
+export function recogniseHere(afresh = false) {
+  return working('Looking at the photo …', 'photo', async () => {
     // What a person has corrected can be had back.
-    if (state.undo.length) rememberScene();
-    await post('detect', { arena: state.arena, robot_radius: state.radius });
+    if (state.undo.length && state.scene) rememberScene();
+    await post('detect', { arena: state.arena, robot_radius: state.radius, reading: state.reading, afresh });
     await refresh();
     return true;
   });
-  if (done) {
+}
+
+export async function recognise() {
+  if (await recogniseHere()) {
     state.step = 'boxes';
     changed();
   }
@@ -132,9 +155,30 @@ export async function recognise() {
 export async function useCorners(corners) {
   await working('Looking at the photo …', 'photo', async () => {
     await post('corners', { corners_px: corners });
-    await post('detect', { arena: state.arena, robot_radius: state.radius });
+    await post('detect', { arena: state.arena, robot_radius: state.radius, reading: state.reading });
     await refresh();
   });
+}
+
+/** Plans in the scene of an earlier drive, from its start to its goal. */
+export async function planAgain(plan) {
+  state.past = null;
+  await working('', 'drive', async () => {
+    takeState(await post('scene', plan.scene));
+    state.undo = [];
+    state.step = 'plan';
+    const { start, goal } = plan.scene;
+    state.start = start ?? state.start;
+    state.goal = goal ? [goal[0], goal[1], goal[2] ?? null] : null;
+  });
+  await replan();
+}
+
+/** Adds an obstacle, which is selected then. */
+export function addObstacle(obstacle, margin = noMargin(obstacle)) {
+  const index = state.scene.obstacles.length;
+  editScene([...state.scene.obstacles, obstacle], [...state.margins, margin]);
+  state.selected = index;
 }
 
 /** Takes an obstacle away. */
@@ -186,11 +230,14 @@ export async function replan() {
     return;
   }
   underWay = true;
+  state.planning = true;
   do {
     again = false;
     await planOnce();
   } while (again);
   underWay = false;
+  state.planning = false;
+  changed();
 }
 
 async function planOnce() {
@@ -225,22 +272,12 @@ async function planOnce() {
 
 export async function drive() {
   state.step = 'drive';
+  state.past = null;
   await working('', 'drive', () => post('drive', { plan: state.revision.plan }));
 }
 
 export const pause = () => working('', 'drive', () => post('pause'));
 export const resume = () => working('', 'drive', () => post('resume'));
-
-/** Moves the robot a little; while it still moves, nothing. */
-export async function jog(step) {
-  state.problem.drive = null;
-  try {
-    await post('jog', step);
-  } catch (error) {
-    if (error.code !== 'robot.busy') state.problem.drive = error;
-  }
-  changed();
-}
 
 /** Stops the robot; tries again and again until the server has heard. */
 export async function stop() {

@@ -21,6 +21,7 @@ export async function request(method, path, body, type = 'application/json') {
 }
 
 export const post = (what, body) => request('POST', `/api/${what}`, body);
+export const getJson = (what) => request('GET', `/api/${what}`);
 export const getState = () => request('GET', '/api/state');
 export const sendPhoto = (blob) => request('POST', '/api/photo', blob, blob.type.startsWith('image/') ? blob.type : 'application/octet-stream');
 

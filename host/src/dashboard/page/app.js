@@ -10,20 +10,34 @@ import './photo.js';
 import './boxes.js';
 import './plan.js';
 import './drive.js';
+import './reading.js';
+import './steps.js';
+import './runs.js';
+import './calibrate.js';
+import { letGo } from './base.js';
 import { changed, onChange, state } from './state.js';
 
-const STEPS = ['photo', 'boxes', 'plan', 'drive'];
+const STEPS = ['photo', 'boxes', 'plan', 'drive', 'base'];
+const DRAWING = {
+  box: 'Drag a rectangle over the box',
+  disc: 'Drag from the middle of the obstacle to its rim',
+  polygon: 'Click the corners one by one; a click on the first, or Enter, closes it',
+  ignore: 'Drag from the middle of the place to its rim',
+};
 const HINTS = {
-  photo: () => '',
-  boxes: () => (state.adding ? 'Drag a rectangle over the box' : ''),
+  photo: () => DRAWING[state.adding] ?? '',
+  boxes: () => DRAWING[state.adding] ?? '',
   plan: () => (!state.start ? 'Click where the robot stands, and drag to where it looks' : !state.goal ? 'Click where it is to go' : ''),
-  drive: () => '',
+  drive: () => (state.past ? `An earlier drive: ${state.past.name}` : ''),
+  base: () => '',
 };
 
 for (const button of document.querySelectorAll('[data-step]')) {
   button.addEventListener('click', () => {
+    letGo();
     state.step = button.dataset.step;
-    state.adding = false;
+    state.adding = null;
+    state.draft = [];
     if (state.step === 'plan') startFromTheEnd();
     changed();
   });
@@ -41,7 +55,7 @@ function startFromTheEnd() {
 }
 
 onChange(() => {
-  const reached = { photo: Boolean(state.photo || state.scene), boxes: Boolean(state.scene), plan: Boolean(state.plan), drive: Boolean(state.run?.report?.reached) };
+  const reached = { photo: Boolean(state.photo || state.scene), boxes: Boolean(state.scene), plan: Boolean(state.plan), drive: Boolean(state.run?.report?.reached), base: false };
   for (const button of document.querySelectorAll('[data-step]')) {
     const { step } = button.dataset;
     const here = step === state.step;
@@ -49,7 +63,7 @@ onChange(() => {
     else button.removeAttribute('aria-current');
     button.classList.toggle('done', reached[step] && !here);
     const before = STEPS[STEPS.indexOf(step) - 1];
-    button.disabled = !here && step !== 'drive' && Boolean(before) && !reached[before] && !(step === 'plan' && state.scene);
+    button.disabled = !here && step !== 'drive' && step !== 'base' && Boolean(before) && !reached[before] && !(step === 'plan' && state.scene);
   }
   for (const panel of document.querySelectorAll('[data-panel]')) panel.hidden = panel.dataset.panel !== state.step;
   find('hint').textContent = state.photo || state.scene ? state.working || HINTS[state.step]() : '';

@@ -8,7 +8,8 @@ find('stop').addEventListener('click', stop);
 // Before anything else hears the key, whatever has the focus.
 addEventListener('keydown', (event) => {
   if (event.key !== 'Escape') return;
-  state.adding = false;
+  state.adding = null;
+  state.draft = [];
   stop();
 }, { capture: true });
 

@@ -1,17 +1,22 @@
 // Step 2: what was recognised, and its correction.
 
 import { element, fill, find, showProblem } from './dom.js';
-import { editScene, erase, replan, undoEdit } from './actions.js';
-import { bounds, centimetres, isBox, noMargin, round } from './floor.js';
+import { withToken } from './api.js';
+import { addObstacle, editScene, erase, recogniseHere, replan, undoEdit } from './actions.js';
+import { bounds, centimetres, isBox, noMargin, round, share } from './floor.js';
 import { changed, onChange, state } from './state.js';
 
 const SIDES = ['box-x0', 'box-y0', 'box-x1', 'box-y1'];
 
-find('add-box').addEventListener('click', () => {
-  state.adding = !state.adding;
-  state.selected = null;
-  changed();
-});
+for (const button of document.querySelectorAll('[data-add]')) {
+  button.addEventListener('click', () => {
+    state.adding = state.adding === button.dataset.add ? null : button.dataset.add;
+    state.draft = [];
+    state.selected = null;
+    changed();
+  });
+}
+find('afresh').addEventListener('click', () => recogniseHere(true));
 find('erase-box').addEventListener('click', () => erase(state.selected));
 find('undo').addEventListener('click', undoEdit);
 find('to-plan').addEventListener('click', () => {
@@ -32,8 +37,39 @@ function kind(obstacle) {
   return obstacle.circle ? ' round' : ` ${obstacle.polygon.length} corners`;
 }
 
+const numbers = (obstacle) => (isBox(obstacle) ? obstacle : obstacle.circle ?? obstacle.polygon.flat());
+
+/** Whether two outlines are the same numbers, but for the last digits that writing and reading cost; metres. */
+function isSame(one, other) {
+  const [a, b] = [numbers(one), numbers(other)];
+  return isBox(one) === isBox(other) && Boolean(one.circle) === Boolean(other.circle) && a.length === b.length && a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
+}
+
+/** What was recognised and is an obstacle no more, with its margin: not what was only moved. */
+export function noObstacles() {
+  const { scene, detection } = state;
+  if (!scene || !detection) return [];
+  return detection.obstacles.map((obstacle, index) => [obstacle, detection.margins[index]])
+    .filter(([obstacle]) => !scene.obstacles.some((own) => isSame(own, obstacle) || share(bounds(own), bounds(obstacle)) > 0.1));
+}
+
+function isDrawn(obstacle) {
+  return Boolean(state.detection) && !state.detection.obstacles.some((seen) => isSame(seen, obstacle));
+}
+
 onChange(() => {
   const { scene, detection } = state;
+  const erased = noObstacles();
+  find('erased').hidden = erased.length === 0;
+  find('erased').replaceChildren(...erased.map(([obstacle, margin]) => {
+    const [x0, y0, x1, y1] = bounds(obstacle);
+    const button = element('button', { type: 'button', class: 'quiet' }, 'It is one');
+    button.addEventListener('click', () => addObstacle(obstacle, margin));
+    return element('li', {}, `No obstacle at ${((x0 + x1) / 2).toFixed(2)}, ${((y0 + y1) / 2).toFixed(2)} m`, button);
+  }));
+  find('afresh').hidden = erased.length === 0 && !(scene?.obstacles ?? []).some(isDrawn);
+  find('save-scene').hidden = !scene;
+  find('save-scene').href = withToken('/api/scene');
   const list = scene?.obstacles ?? [];
   const seen = list.length === 1 ? '1 obstacle' : `${list.length} obstacles`;
   const robot = detection ? (detection.robot ? 'and the robot' : 'and no robot') : '';
@@ -44,7 +80,7 @@ onChange(() => {
   find('boxes').replaceChildren(...list.map((obstacle, index) => {
     const [x0, y0, x1, y1] = bounds(obstacle);
     const button = element('button', { type: 'button', 'aria-pressed': String(state.selected === index) },
-      element('b', {}, String(index + 1)), `${centimetres(x1 - x0)} × ${centimetres(y1 - y0)} cm${kind(obstacle)}`,
+      element('b', {}, String(index + 1)), `${centimetres(x1 - x0)} × ${centimetres(y1 - y0)} cm${kind(obstacle)}${isDrawn(obstacle) ? ' ✎' : ''}`,
       element('i', {}, `at ${((x0 + x1) / 2).toFixed(2)}, ${((y0 + y1) / 2).toFixed(2)} m`));
     button.addEventListener('click', () => {
       state.selected = state.selected === index ? null : index;
@@ -55,11 +91,14 @@ onChange(() => {
   const box = list[state.selected];
   find('box-fields').hidden = !box || !isBox(box);
   if (box && isBox(box)) SIDES.forEach((name, side) => fill(find(name), String(round(box[side]))));
-  find('add-box').setAttribute('aria-pressed', String(state.adding));
-  find('add-box').disabled = !scene;
+  for (const button of document.querySelectorAll('[data-add]')) {
+    button.setAttribute('aria-pressed', String(state.adding === button.dataset.add));
+    button.disabled = !scene;
+  }
   find('erase-box').disabled = !box;
+  find('erase-box').textContent = box && !isDrawn(box) ? 'Not an obstacle' : 'Erase';
   find('undo').disabled = state.undo.length === 0;
   find('to-plan').disabled = !scene;
   showProblem(find('boxes-problem'), state.problem.boxes);
 }, ({ scene, detection, selected, adding, undo, problem }) =>
-  [scene?.obstacles, detection?.robot, detection?.warnings, selected, adding, undo.length, problem.boxes]);
+  [scene?.obstacles, detection?.obstacles, detection?.robot, detection?.warnings, selected, adding, undo.length, problem.boxes]);

@@ -10,7 +10,8 @@ let take = () => {};
 export async function openCamera(onPhoto) {
   take = onPhoto;
   showProblem(find('camera-problem'), null);
-  dialog.showModal();
+  // Not modal: STOP stays in reach.
+  dialog.show();
   try {
     const wanted = { video: { facingMode: 'environment', width: { ideal: 1920 }, height: { ideal: 1440 } } };
     stream = await navigator.mediaDevices.getUserMedia(wanted);
@@ -28,6 +29,7 @@ function close() {
 }
 
 dialog.addEventListener('close', close);
+dialog.addEventListener('keydown', (event) => { if (event.key === 'Escape') dialog.close(); });
 find('camera-close').addEventListener('click', () => dialog.close());
 find('camera-take').addEventListener('click', () => {
   if (!video.videoWidth) return;

@@ -2,36 +2,14 @@
 
 import { withToken } from './api.js';
 import { element, figures, find, showProblem } from './dom.js';
-import { drive, jog, pause, resume } from './actions.js';
+import { drive, pause, resume } from './actions.js';
+import { plots, readRun } from './plots.js';
+import { downloads } from './runs.js';
 import { degrees } from './floor.js';
 import { onChange, state } from './state.js';
 
 find('drive').addEventListener('click', drive);
 find('pause').addEventListener('click', () => (state.drive?.pause_wanted ? resume() : pause()));
-
-// A jog goes on as long as the button or key is held, and ends by itself when nothing asks again.
-let held = null;
-async function whileHeld(step) {
-  held = step;
-  while (held === step) {
-    if (!state.drive?.active) await jog(step);
-    await new Promise((resolve) => setTimeout(resolve, 60));
-    if (state.problem.drive) held = null;
-  }
-}
-for (const button of document.querySelectorAll('[data-jog]')) {
-  const [distance, turn] = button.dataset.jog.split(',').map(Number);
-  const step = distance ? { distance } : { turn };
-  button.addEventListener('pointerdown', (event) => {
-    button.setPointerCapture(event.pointerId);
-    whileHeld(step);
-  });
-  button.addEventListener('keydown', (event) => {
-    if ((event.key === 'Enter' || event.key === ' ') && held !== step) whileHeld(step);
-  });
-  for (const name of ['pointerup', 'pointercancel', 'lostpointercapture', 'keyup', 'blur']) button.addEventListener(name, () => { held = null; });
-}
-addEventListener('blur', () => { held = null; });
 
 function report(run) {
   const done = run?.report;
@@ -47,20 +25,51 @@ function report(run) {
   }
   const list = element('dl', { class: 'figures' });
   figures(list, run.error ? rows.slice(2) : rows);
-  return element('div', { class: `result${ended ? '' : ' missed'}`, id: 'result' }, element('strong', {}, title), list,
-    element('a', { href: withToken('/api/run.jsonl'), download: 'run.jsonl' }, 'Download the run'));
+  const files = ['run.jsonl', 'report.json', 'plan.json', 'scene.json', '15_motion.svg', ...(state.photo ? ['photo'] : [])];
+  const kept = run.kept ? downloads(run.kept, files) : element('a', { href: withToken('/api/run.jsonl'), download: 'run.jsonl' }, 'Download the run');
+  return element('div', { class: `result${ended ? '' : ' missed'}`, id: 'result' }, element('strong', {}, title), list, kept,
+    run.not_kept ? element('p', { class: 'note' }, `This drive is not kept: ${run.not_kept}`) : null);
 }
+
+// The plots of the drive under way, from what the socket says; of one that has ended, from all that the robot said.
+
+let live = { run: -1, samples: [] };
+let drawn = 0;
+
+function follow() {
+  const { drive: status, base } = state;
+  if (!status?.active || !base?.pose) return;
+  if (live.run !== status.revision) live = { run: status.revision, samples: [] };
+  if (live.samples.at(-1)?.t !== status.time) live.samples.push({ t: status.time, pose: base.pose, wheels: base.wheels });
+}
+
+function showPlots() {
+  follow();
+  const now = performance.now();
+  if (state.step !== 'drive' || !state.drive?.active || state.past || now - drawn < 400) return;
+  drawn = now;
+  find('plots').replaceChildren(plots(live.samples, planPath()));
+}
+
+const planPath = () => state.plan?.waypoints ?? [];
+
+async function showAllPlots() {
+  const samples = readRun(await (await fetch(withToken('/api/run.jsonl'))).text());
+  if (!state.drive?.active) find('plots').replaceChildren(...(samples.length > 1 ? [plots(samples, planPath())] : []));
+}
+
+onChange(showPlots);
 
 let shownRun = -1;
 onChange(() => {
   const { drive: status, run, base } = state;
   const active = Boolean(status?.active);
-  find('drive').disabled = active || !state.plan || !state.online || !base?.connected;
+  find('drive').disabled = active || state.planning || !state.plan || !state.online || !base?.connected;
   find('drive').textContent = run?.report && !active ? 'Drive again' : 'Drive';
   find('pause').disabled = !active;
   find('pause').textContent = status?.pause_wanted ? 'Resume' : 'Pause';
-  // A jog has no way that one could follow, and what is shown for it would push the buttons away.
-  const follows = active && held === null;
+  // A move by hand has no way that one could follow.
+  const follows = active && status.legs > 0 && state.step === 'drive';
   find('progress').hidden = !follows;
   if (follows) {
     const legs = Math.max(status.legs, 1);
@@ -75,10 +84,12 @@ onChange(() => {
   }
   const error = state.problem.drive ?? (active ? null : run?.error);
   showProblem(find('drive-problem'), error);
-  if (run && shownRun !== run.revision && held === null) {
+  if (run && shownRun !== run.revision) {
     shownRun = run.revision;
     const shown = report(run);
     find('report').hidden = !shown;
+    if (shown) showAllPlots();
+    else if (!active) find('plots').replaceChildren();
     find('report').replaceChildren(...(shown ? [shown] : []));
   }
 });

@@ -97,6 +97,13 @@ export function bounds(obstacle) {
   return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
 }
 
+/** How much of what two upright rectangles cover together they share, 0 to 1. */
+export function share(a, b) {
+  const common = Math.max(Math.min(a[2], b[2]) - Math.max(a[0], b[0]), 0) * Math.max(Math.min(a[3], b[3]) - Math.max(a[1], b[1]), 0);
+  const area = ([x0, y0, x1, y1]) => (x1 - x0) * (y1 - y0);
+  return common / (area(a) + area(b) - common);
+}
+
 export function moved(obstacle, dx, dy) {
   if (isBox(obstacle)) return [obstacle[0] + dx, obstacle[1] + dy, obstacle[2] + dx, obstacle[3] + dy];
   if (obstacle.circle) return { ...obstacle, circle: [obstacle.circle[0] + dx, obstacle.circle[1] + dy, obstacle.circle[2]] };

@@ -2,7 +2,8 @@
 
 import { find } from './dom.js';
 import { clamp, moved, noMargin, round } from './floor.js';
-import { editScene, erase, rememberScene, replan, useCorners } from './actions.js';
+import { ignore } from './reading.js';
+import { addObstacle, editScene, erase, rememberScene, replan, useCorners } from './actions.js';
 import { currentCorners, currentMap, showCorners } from './stage.js';
 import { changed, state } from './state.js';
 
@@ -53,7 +54,8 @@ for (const name of ['pointerup', 'pointercancel']) {
 export const isDragging = () => drag !== null;
 
 const begins = {
-  photo: (target, at) => {
+  photo: (target, at, floor) => {
+    if (state.adding === 'ignore') return beginDisc(floor, (disc) => ignore(disc));
     if (target.corner === undefined) return null;
     const index = Number(target.corner);
     const before = currentCorners().map((corner) => [...corner]);
@@ -64,7 +66,9 @@ const begins = {
     };
   },
   boxes: (target, at, floor) => {
-    if (state.adding) return beginBox(floor);
+    if (state.adding === 'box') return beginBox(floor);
+    if (state.adding === 'disc') return beginDisc(floor, (disc) => addObstacle({ circle: disc }));
+    if (state.adding === 'polygon') return addCorner(floor, at);
     if (target.sides !== undefined) return beginSides([...target.sides].map(Number));
     if (target.vertex !== undefined) return beginVertex(Number(target.vertex));
     if (target.rim !== undefined) return beginRim();
@@ -93,6 +97,7 @@ const begins = {
 
 function moveCorner(before, index, place) {
   places = before.map((corner, i) => (i === index ? place : corner));
+  places.dragged = index;
   showCorners(places);
 }
 
@@ -203,10 +208,103 @@ function beginBox(floor) {
   return {
     move: (now, place) => add(onFloor(place)),
     end: () => {
-      state.adding = false;
+      state.adding = null;
       changed();
     },
   };
+}
+
+/** A disc from its middle to where the pointer is let go. */
+function beginDisc(floor, add) {
+  const [x, y] = onFloor(floor);
+  const radius = (place) => round(Math.max(Math.hypot(place[0] - x, place[1] - y), LEAST_BOX), 4);
+  return {
+    move: (now, place) => {
+      state.draft = { circle: [x, y, radius(place)] };
+      changed();
+    },
+    end: () => {
+      const drawn = state.draft.circle;
+      state.adding = null;
+      state.draft = [];
+      changed();
+      if (drawn) add(drawn);
+    },
+  };
+}
+
+/** So near to the first corner a click closes a polygon, pixels on the screen. */
+const CLOSES = 14;
+
+/** One more corner of a polygon; null, since nothing is dragged. */
+function addCorner(floor, at) {
+  const [first] = state.draft;
+  const scale = view.getScreenCTM().a;
+  const [x, y] = first ? currentMap().toPicture(first) : [Infinity, 0];
+  if (state.draft.length >= 3 && Math.hypot(at[0] - x, at[1] - y) * scale < CLOSES) return closePolygon();
+  state.draft = [...state.draft, onFloor(floor)];
+  changed();
+  return null;
+}
+
+function closePolygon() {
+  const corners = state.draft;
+  state.adding = null;
+  state.draft = [];
+  changed();
+  if (corners.length >= 3) addObstacle({ polygon: corners });
+  return null;
+}
+
+addEventListener('keydown', (event) => {
+  if (state.adding !== 'polygon' || event.target.closest?.('input,select,dialog')) return;
+  if (event.key === 'Enter' && state.draft.length >= 3) {
+    event.preventDefault();
+    closePolygon();
+  } else if (event.key === 'Backspace') {
+    event.preventDefault();
+    state.draft = state.draft.slice(0, -1);
+    changed();
+  }
+}, { capture: true });
+
+/** What is drawn where somebody has only keys: in the middle of the arena, to be moved and sized from there. */
+export function addInTheMiddle(kind) {
+  const [ox, oy] = state.scene.origin ?? [0, 0];
+  const { width, height } = state.scene.arena;
+  const [x, y] = [round(ox + width / 2, 3), round(oy + height / 2, 3)];
+  const r = round(Math.min(width, height) / 20, 3);
+  const made = {
+    box: [x - r, y - r, x + r, y + r].map((value) => round(value, 4)),
+    disc: { circle: [x, y, r] },
+    polygon: { polygon: [[x - r, y - r], [x + r, y - r], [x, y + r]].map((point) => point.map((value) => round(value, 4))) },
+  };
+  state.adding = null;
+  addObstacle(made[kind]);
+}
+for (const button of document.querySelectorAll('[data-add]')) {
+  button.addEventListener('keydown', (event) => {
+    if (event.key !== 'Enter' && event.key !== ' ') return;
+    event.preventDefault();
+    addInTheMiddle(button.dataset.add);
+  });
+}
+
+/** A corner of a polygon or the rim of a disc by the arrow keys. */
+function moveHandle(event, target) {
+  const way = ARROWS[event.key];
+  if (!way) return;
+  event.preventDefault();
+  const [dx, dy] = way.map((value) => value * (event.shiftKey ? 0.05 : 0.005));
+  const shape = state.scene.obstacles[state.selected];
+  rememberScene();
+  if (target.rim !== undefined) {
+    const [x, y, radius] = shape.circle;
+    replaceBox(state.selected, { ...shape, circle: [x, y, round(Math.max(radius + dx + dy, LEAST_BOX), 4)] });
+  } else {
+    const index = Number(target.vertex);
+    replaceBox(state.selected, { ...shape, polygon: shape.polygon.map((at, i) => (i === index ? onFloor([at[0] + dx, at[1] + dy]) : at)) });
+  }
 }
 
 // The arrow keys.
@@ -216,6 +314,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowD
 view.addEventListener('keydown', (event) => {
   const target = event.target.closest('[data-key]')?.dataset;
   if (!target || !currentMap()) return;
+  if (target.vertex !== undefined || target.rim !== undefined) return moveHandle(event, target);
   if ((event.key === 'Delete' || event.key === 'Backspace') && target.box !== undefined) {
     event.preventDefault();
     return erase(Number(target.box));

@@ -38,20 +38,12 @@ find('preview').addEventListener('input', (event) => {
 /** What would have to move, if a gap is too narrow. */
 function advice(problem) {
   const gap = problem?.gap;
-  if (!gap) return [];
+  if (!gap || gap.need <= gap.width) return [];
   const names = gap.between.map((index) => (index === null ? 'the border' : `obstacle ${index + 1}`));
   const short = Math.ceil((gap.need - gap.width) * 1000 - 1e-6) / 10;
   return [element('p', {}, `Move ${names[0] === 'the border' ? names[1] : names[0]} ${short.toFixed(1)} cm away from ${names[0] === 'the border' ? names[0] : names[1]} and it fits.`)];
 }
 
-function showMatrix(matrix) {
-  find('grid-details').hidden = !matrix;
-  if (!matrix) return;
-  const rows = matrix.map((row) => element('tr', {}, ...row.map((cell) => element('td', { class: `m${cell}` }, String(cell)))));
-  find('matrix').replaceChildren(element('table', {}, element('tbody', {}, ...rows)));
-}
-
-let shownMatrix = null;
 onChange(() => {
   for (const [end, names] of Object.entries(ENDS)) {
     const place = state[end];
@@ -71,11 +63,7 @@ onChange(() => {
     find('preview').max = plan.duration;
     find('preview-time').textContent = `${(state.preview ?? 0).toFixed(1)} s`;
   }
-  showProblem(find('plan-problem'), state.planProblem, ...advice(state.planProblem));
-  if (shownMatrix !== plan?.mini_matrix) {
-    shownMatrix = plan?.mini_matrix;
-    showMatrix(shownMatrix);
-  }
-  find('drive-now').disabled = !plan || !state.online || !state.base?.connected || Boolean(state.drive?.active);
-}, ({ start, goal, planner, cost, plan, preview, planProblem, online, base, drive: status }) =>
-  [start, goal, planner, cost, plan, preview, planProblem, online, base?.connected, status?.active]);
+  showProblem(find('plan-problem'), state.planProblem ?? state.problem.plan, ...advice(state.planProblem));
+  find('drive-now').disabled = !plan || state.planning || !state.online || !state.base?.connected || Boolean(state.drive?.active);
+}, ({ start, goal, planner, cost, plan, planning, preview, planProblem, online, base, drive: status }) =>
+  [planning, start, goal, planner, cost, plan, preview, planProblem, online, base?.connected, status?.active]);

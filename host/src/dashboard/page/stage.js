@@ -3,6 +3,7 @@
 import { withToken } from './api.js';
 import { find, shape } from './dom.js';
 import { bounds, circlePoints, floorMap, gapBetween, inflated, isBox, outline } from './floor.js';
+import { noObstacles } from './boxes.js';
 import { changed, onChange, state } from './state.js';
 
 const view = find('view');
@@ -56,15 +57,17 @@ function ghost() {
 function shownState() {
   const { step, photo, revision, arena, scene, selected, adding, plan, planProblem, start, goal: end, run } = state;
   const { width, height } = view.getBoundingClientRect();
-  const driving = step === 'drive' ? [trail.points.length, trail.points.at(-1), state.base?.pose, run?.report !== null] : null;
-  return [step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
+  const driving = ['drive', 'base'].includes(step) ? [trail.points.length, trail.points.at(-1), state.base?.pose, run?.report !== null] : null;
+  const { draft, reading, past, showsGrid, lit } = state;
+  return [draft, reading.ignore, past?.name, showsGrid, lit, plan?.mini_matrix, step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
     plan?.waypoints, plan?.margin, state.preview, planProblem?.gap, start, end, driving, width, height];
 }
 
 function draw() {
-  const showsAnything = Boolean(state.photo || state.scene);
+  const showsAnything = Boolean(state.photo || state.scene || (state.step === 'drive' && state.past));
   find('welcome').hidden = showsAnything;
   view.classList.toggle('idle', !showsAnything);
+  if (state.step === 'drive' && state.past) return drawPast();
   if (!showsAnything) return view.replaceChildren();
   const arena = state.scene?.arena ?? state.arena ?? { width: 1, height: 1 };
   const seen = state.photo ? currentCorners() : null;
@@ -84,9 +87,9 @@ function layers() {
     : polygon(outline([0, 0, state.scene.arena.width, state.scene.arena.height]).map(addOrigin), { class: 'plain-floor', 'data-key': 'floor' });
   if (!map) return [ground];
   const floor = state.photo ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
-  if (state.step === 'photo') return [ground, floor, ...(state.photo && currentCorners() ? cornerHandles() : [])];
+  if (state.step === 'photo') return [ground, floor, ...ignored(), ...draft(), ...(state.photo && currentCorners() ? cornerHandles() : []), ...magnifier()];
   if (!state.scene) return [ground, floor];
-  return [ground, floor, ...grown(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...ghost(), ...boxHandles()];
+  return [ground, floor, ...grown(), ...areas(), ...ignored(), ...erased(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...ghost(), ...boxHandles(), ...draft()];
 }
 
 const addOrigin = ([x, y]) => [x + (state.scene.origin?.[0] ?? 0), y + (state.scene.origin?.[1] ?? 0)];
@@ -145,7 +148,10 @@ function boxHandles() {
     const rim = box.circle && [box.circle[0] + box.circle[2], box.circle[1]];
     return (box.polygon ?? [rim]).map((at, index) => {
       const [cx, cy] = map.toPicture(at);
-      return shape('circle', { class: 'handle', cx, cy, r: 6 * unit, [box.polygon ? 'data-vertex' : 'data-rim']: index });
+      const name = box.polygon ? 'vertex' : 'rim';
+      const label = box.polygon ? `Corner ${index + 1}; arrow keys move it` : 'Rim; arrow keys make the disc larger and smaller';
+      return shape('g', { [`data-${name}`]: index, 'data-key': `${name}-${index}`, tabindex: 0, role: 'button', 'aria-label': label },
+        shape('circle', { class: 'handle', cx, cy, r: 7 * unit }));
     });
   }
   const [x0, y0, x1, y1] = box;
@@ -157,6 +163,79 @@ function boxHandles() {
     return shape('circle', { class: 'handle both', cx, cy, r: 6 * unit, 'data-sides': sides });
   });
   return [...edges, ...knobs];
+}
+
+/** What is being drawn. */
+function draft() {
+  const drawn = state.draft;
+  if (drawn.circle) return [polygon(circlePoints(drawn.circle, drawn.circle[2]), { class: 'draft' })];
+  if (!drawn.length) return [];
+  const knobs = drawn.map(map.toPicture).map(([cx, cy], index) => shape('circle', { class: `draft-knob${index ? '' : ' first'}`, cx, cy, r: (index ? 4 : 7) * unit }));
+  return [line(drawn, { class: 'draft' }), ...knobs];
+}
+
+/** Places in which nothing is an obstacle. */
+function ignored() {
+  if (!state.photo || !['photo', 'boxes'].includes(state.step)) return [];
+  return state.reading.ignore.map((disc) => polygon(circlePoints(disc, disc[2]), { class: 'ignored' }));
+}
+
+/** What was recognised and is no obstacle. */
+function erased() {
+  if (state.step !== 'boxes') return [];
+  return noObstacles().map(([obstacle]) => polygon(outline(obstacle), { class: 'no-obstacle' }));
+}
+
+/** The areas of the mini-matrix, whose first row is the uppermost. */
+function areas() {
+  const { grid_lines: lines, mini_matrix: matrix } = state.plan ?? {};
+  if (state.step !== 'plan' || !state.showsGrid || !lines || !matrix) return [];
+  const { xs, ys } = lines;
+  return matrix.flatMap((row, i) => row.map((cell, j) => {
+    const [low, high] = [ys[ys.length - 2 - i], ys[ys.length - 1 - i]];
+    const name = `${i},${j}`;
+    return polygon(outline([xs[j], low, xs[j + 1], high]), { class: `area a${cell}${state.lit === name ? ' lit' : ''}`, 'data-area': name });
+  }));
+}
+
+/** How much larger the magnifier shows the photo, and its radius on the screen, pixels. */
+const [MAGNIFIED, LENS] = [4, 74];
+
+/** The photo around a corner that is dragged, away from the pointer. */
+function magnifier() {
+  if (!corners || corners.dragged === undefined || !state.photo) return [];
+  const [x, y] = corners[corners.dragged];
+  const { width, height } = state.photo;
+  const [r, away] = [LENS * unit, LENS * 1.5 * unit];
+  const cx = Math.min(Math.max(x + (x < width / 2 ? away : -away), r), width - r);
+  const cy = Math.min(Math.max(y + (y < height / 2 ? away : -away), r), height - r);
+  const reach = r / MAGNIFIED;
+  const lens = shape('svg', { x: cx - r, y: cy - r, width: 2 * r, height: 2 * r, viewBox: `${x - reach} ${y - reach} ${2 * reach} ${2 * reach}` },
+    shape('rect', { x: x - reach, y: y - reach, width: 2 * reach, height: 2 * reach, fill: '#222' }),
+    picture().cloneNode(), shape('polygon', { points: points(map.corners), class: 'floor-edge' }));
+  const clip = shape('clipPath', { id: 'lens-clip' }, shape('circle', { cx, cy, r }));
+  return [clip, shape('g', { 'clip-path': 'url(#lens-clip)', class: 'lens', id: 'magnifier' }, lens),
+    shape('circle', { class: 'lens-rim', cx, cy, r }),
+    shape('path', { class: 'corner-cross', d: `M${cx - r} ${cy}h${2 * r}M${cx} ${cy - r}v${2 * r}` })];
+}
+
+/** A drive of earlier: its scene, its path and where the robot was. */
+function drawPast() {
+  const { scene, waypoints } = state.past.plan;
+  map = floorMap(scene.arena, null, scene.origin);
+  const [xs, ys] = [0, 1].map((axis) => map.corners.map((corner) => corner[axis]));
+  const pad = 0.04 * Math.max(...xs, ...ys);
+  const size = [Math.max(...xs) + 2 * pad, Math.max(...ys) + 2 * pad];
+  view.setAttribute('viewBox', `${-pad} ${-pad} ${size[0]} ${size[1]}`);
+  const [ox, oy] = scene.origin ?? [0, 0];
+  const floor = outline([ox, oy, ox + scene.arena.width, oy + scene.arena.height]);
+  const driven = state.past.samples.map(({ pose }) => pose);
+  const radius = scene.robot_radius || 0.05;
+  const end = driven.at(-1);
+  view.replaceChildren(polygon(floor, { class: 'plain-floor' }), ...scene.obstacles.map((obstacle) => polygon(outline(obstacle), { class: 'obstacle' })),
+    line(waypoints, { class: 'path-under' }), line(waypoints, { class: 'path' }),
+    ...(driven.length > 1 ? [line(driven, { class: 'trail' })] : []),
+    ...(end ? [polygon(circlePoints(end, radius), { class: 'robot-body live' })] : []));
 }
 
 function gap() {
@@ -200,7 +279,7 @@ function nose([x, y, heading]) {
 
 function robot() {
   // The robot knows nothing of a map's frame.
-  const live = state.step === 'drive' && trail.points.length > 0 && state.base?.pose && [...addOrigin(state.base.pose), state.base.pose[2]];
+  const live = ['drive', 'base'].includes(state.step) && trail.points.length > 0 && state.base?.pose && [...addOrigin(state.base.pose), state.base.pose[2]];
   const pose = live || state.start;
   if (!pose) return [];
   const body = polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: `robot-body${live ? ' live' : ''}`, id: 'robot' });

@@ -12,10 +12,21 @@ export const state = {
   margins: [],
   plan: null,
   planProblem: null,
+  /** Whether a newer plan is on its way: what is shown is not driven then. */
+  planning: false,
   run: null,
   base: null,
   drive: null,
   revision: { photo: -1, scene: -1, plan: -1, run: -1 },
+  /** How the photo is read, as POST /api/detect has it. */
+  reading: { tags: null, robot_tag: null, goal_tag: null, ignore: [], camera: null },
+  /** What goes wrong with the simulated robot. */
+  faults: null,
+  /** A drive of earlier that is looked at. */
+  past: null,
+  /** The mini-matrix: whether its areas are shown, and the one that is lit, as "row,column". */
+  showsGrid: false,
+  lit: null,
   /** What the person wants: [x, y, heading] and [x, y, heading or null]. */
   start: null,
   goal: null,
@@ -26,10 +37,12 @@ export const state = {
   preview: null,
   /** What the person is doing. */
   selected: null,
-  adding: false,
+  /** What is being drawn: box, disc, polygon, ignore or null; corners of a polygon that are there already. */
+  adding: null,
+  draft: [],
   undo: [],
   working: '',
-  problem: { photo: null, boxes: null, drive: null },
+  problem: { photo: null, boxes: null, plan: null, drive: null, base: null },
   online: false,
   heard: performance.now(),
 };

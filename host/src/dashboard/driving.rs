@@ -1,0 +1,153 @@
+//! What moves the robot: a planned way driven and written down, and short moves from where it stands.
+
+use super::desk::DeskPhoto;
+use super::lock;
+use super::robot::{RobotThread, stopped};
+use crate::cli::args::{TimingName, WayArgs};
+use crate::cli::endpoint::{SimulatedRobot, SimulatedWorld};
+use crate::cli::error::{CliError, Exit};
+use crate::cli::run::{Run, RunClock};
+use crate::cli::way::{self, PlannedWay};
+use protocol::motion::{self, Leg, Timing};
+use std::sync::Arc;
+use wmr::geometry::{Point, Pose};
+use wmr::legs::{LegOptions, from_wire, to_legs};
+use wmr::link::drive::{DriveError, DriveEvent, Wish, drive_as_wished};
+use wmr::link::mission::{Mission, MissionError, MissionEvent};
+use wmr::link::parameters::Request;
+
+impl RobotThread {
+    /// Drives a way and writes down how.
+    pub(super) fn drive_and_keep(
+        &mut self,
+        way: &PlannedWay,
+        args: &WayArgs,
+        photo: Option<Arc<DeskPhoto>>,
+        stops: u64,
+    ) -> Result<(), CliError> {
+        let (run, error) = self.drive(way, args, stops)?;
+        let mut report = run.document();
+        if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
+            fields.insert("problem".into(), error.json()["error"].clone());
+        }
+        let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
+        let kept = self.settings.archive.keep(photo, way, &run, &report);
+        let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
+        self.end_run(Some(&run), error.as_ref());
+        lock(&self.live).run.kept = Some(kept.map_err(|error| error.message));
+        if let Some(error) = error.filter(|_| is_lost) {
+            self.lose(&error);
+        }
+        Ok(())
+    }
+
+    /// Drives a way to its end, or to where it is cut short.
+    fn drive(
+        &mut self,
+        way: &PlannedWay,
+        args: &WayArgs,
+        stops: u64,
+    ) -> Result<(Run, Option<CliError>), CliError> {
+        let file = &way.file;
+        let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
+        let start = Pose { position: first, heading: file.start_heading() };
+        if self.is_simulated() || self.client.is_none() {
+            // A simulated robot stands where the plan begins, as if somebody had put it there.
+            let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
+            let robot = match args.timing {
+                TimingName::Limits => SimulatedRobot::Default,
+                TimingName::Paper => SimulatedRobot::Paper,
+            };
+            self.client = Some(self.open(world, robot)?);
+        }
+        self.greet(stops)?;
+        if let Some(parameters) = self.own_parameters.filter(|_| self.is_simulated()) {
+            self.ask(Request::Change(parameters))?;
+        }
+        let limits = self.greet(stops)?;
+        let legs = way::legs_of(file, args, &limits);
+        let mut run = Run::new(legs, limits, start);
+        run.origin = way::origin(&file.scene);
+        run.goal = file.waypoints.last().copied();
+        let result = self.follow(&mut run, start, stops);
+        if let Some(client) = &mut self.client {
+            run.truth = client.port_mut().truth();
+            run.link = client.statistics();
+        }
+        Ok((run, result.err()))
+    }
+
+    /// Follows the legs of `run` from `start`, and records how.
+    pub(super) fn follow(
+        &mut self,
+        run: &mut Run,
+        start: Pose,
+        stops: u64,
+    ) -> Result<(), CliError> {
+        let Some(client) = &mut self.client else { return Err(stopped()) };
+        let (live, controls) = (&self.live, &self.controls);
+        lock(live).run.legs = run.legs.iter().map(ends).collect();
+        if run.legs.is_empty() {
+            return Ok(());
+        }
+        let wire_start = to_wire(start);
+        let mut mission = Mission::new(run.legs.clone(), wire_start);
+        let mut clock = RunClock::default();
+        let deadman = self.deadman;
+        let is_let_go = || deadman.is_some_and(|hold| !controls.is_held(hold));
+        let wish = || match (controls.stops() != stops || is_let_go(), controls.is_paused()) {
+            (true, _) => Wish::Stop,
+            (false, true) => Wish::Pause,
+            (false, false) => Wish::Drive,
+        };
+        let driven = drive_as_wished(client, &mut mission, wish, |event, _| {
+            let DriveEvent::Mission(event) = event else { return };
+            run.record(event, &mut clock);
+            if let MissionEvent::Telemetry(telemetry) = event {
+                let mut live = lock(live);
+                live.hear(telemetry);
+                if let Some(sample) = run.samples.last() {
+                    live.run.follow(sample.time, from_wire(telemetry.pose).position);
+                    live.run.leg = usize::from(telemetry.leg);
+                }
+            }
+        });
+        driven.map(|_| ()).map_err(|error| match error {
+            DriveError::Stopped | DriveError::StopUnconfirmed => CliError::new(
+                Exit::Robot,
+                "robot.stopped",
+                error,
+                "plan again from where it stands",
+            ),
+            DriveError::Mission(MissionError::Stopped) => stopped(),
+            error => error.into(),
+        })
+    }
+
+    /// Moves a little, from where the robot stands.
+    pub(super) fn move_by(
+        &mut self,
+        distance: f64,
+        angle: f64,
+        stops: u64,
+    ) -> Result<(), CliError> {
+        let limits = self.greet(stops)?;
+        let start = self.place().ok_or_else(stopped)?;
+        let (sin, cos) = start.heading.sin_cos();
+        let Point { x, y } = start.position;
+        let way = [start.position, Point::new(x + distance * cos, y + distance * sin)];
+        let goal_heading = (angle != 0.0).then_some(start.heading + angle);
+        let options = LegOptions { timing: Timing::Limits, reverse: true };
+        let legs = to_legs(&way, start.heading, goal_heading, &options, &limits);
+        let mut run = Run::new(legs, limits, start);
+        self.follow(&mut run, start, stops)
+    }
+}
+
+fn ends(leg: &Leg) -> [Point; 2] {
+    [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
+}
+
+fn to_wire(pose: Pose) -> motion::Pose {
+    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
+}
