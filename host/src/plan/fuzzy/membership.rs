@@ -175,7 +175,7 @@ impl MembershipGrid {
         for of_area in beside.chunk_by(|a, b| a.0 == b.0) {
             let index = of_area[0].0 as usize;
             let middle = self.middle(index);
-            if self.areas[index].middle < 1.0 || self.areas[index] == FuzzyArea::BLOCKED {
+            if self.areas[index].middle < 1.0 {
                 continue;
             }
             let obstacles = || of_area.iter().map(|&(_, by)| by as usize);

@@ -41,6 +41,13 @@ pub const DEFAULT_AREA: f64 = 0.01;
 /// Where nobody asks, areas are made larger so that there are no more of them than this.
 const COMFORTABLE: f64 = 500_000.0;
 
+/// A way with no more risk than this may only graze a band, because it has few corners: one that keeps
+/// clear of it is looked for, too.
+const GRAZING: f64 = 0.1;
+
+/// What it may cost more to keep clear of a band that is only grazed, as a part of the cost.
+const GRAZED: f64 = 5e-4;
+
 /// The largest weight of risk.
 pub const LARGEST_RISK_WEIGHT: f64 = 1000.0;
 
@@ -183,7 +190,13 @@ impl FuzzyArena {
             if let Some(way) = found.get(&key) {
                 return Ok(way.clone());
             }
-            let way = self.find(start, goal, weight, ceiling)?;
+            let mut way = self.find(start, goal, weight, ceiling)?;
+            if way.greatest > unavoidable && way.greatest <= GRAZING {
+                let clear = self.find(start, goal, weight, unavoidable);
+                let is_as_good =
+                    |clear: &FuzzyWay| clear.cost(weight) <= way.cost(weight) * (1.0 + GRAZED);
+                way = clear.ok().filter(is_as_good).unwrap_or(way);
+            }
             found.insert(key, way.clone());
             Ok(way)
         };

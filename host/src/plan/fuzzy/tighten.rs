@@ -110,8 +110,9 @@ impl Taut<'_> {
         for _ in 0..SLIDES {
             let before = self.whole();
             self.drop_corners(&mut steps);
-            for index in 1..self.points.len() - 1 {
-                steps[index] = self.slide_corner(index, steps[index]);
+            let last = self.points.len() - 1;
+            for (index, step) in steps.iter_mut().enumerate().take(last).skip(1) {
+                *step = self.slide_corner(index, *step);
             }
             if before - self.whole() <= SETTLED * before {
                 return;
