@@ -3,7 +3,7 @@
 //!
 //! The robot keeps a session, so that its reports reach the mission and not only the decoder; besides it
 //! writes raw bytes, greets as another, falls silent and lets its clock run as it likes. Promised are: no
-//! panic, an end within [`BUDGET`], and no arrival that the robot has not reported leg by leg and then shown.
+//! panic, an end within the budget, and no arrival that the robot has not reported leg by leg and then shown.
 
 use fuzzed::Fuzzed;
 use protocol::message::State;

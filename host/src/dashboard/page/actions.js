@@ -120,6 +120,8 @@ async function useScene(file) {
 export async function restore(corners) {
   const scene = state.scene && { ...state.scene, margins: state.margins, start: state.start ?? undefined, goal: undefined };
   const { start, goal, undo, reading } = state;
+  // The program has no plan to drive until this is done.
+  state.planning = true;
   await working('', 'photo', async () => {
     if (photoBlob) {
       await sendPhoto(photoBlob);
@@ -130,7 +132,7 @@ export async function restore(corners) {
     if (scene) await post('scene', scene);
     await refresh();
   });
-  Object.assign(state, { start, goal, undo });
+  Object.assign(state, { start, goal, undo, planning: false });
   await replan();
 }
 
