@@ -65,7 +65,7 @@ fn document(Sighting { telemetry, measurement }: &Sighting) -> Value {
         _ => None,
     };
     json!({
-        "t": f64::from(telemetry.ticks) * f64::from(protocol::motion::TICK.0),
+        "t": f64::from(telemetry.ticks) / f64::from(protocol::motion::TICKS_PER_SECOND),
         "state": run::state_name(telemetry.state),
         "fault": fault,
         "pose": from_wire(telemetry.pose),
