@@ -11,8 +11,9 @@ pub(crate) const HEIGHT: usize = 360;
 const SCALE: f64 = 300.0;
 /// Half the size of the tape along the border, metres.
 const TAPE: f64 = 0.03;
-/// Places along each side of a pixel.
-const PLACES: usize = 3;
+/// Places along each side of the square that a pixel sees, and its side, pixels: lenses blur.
+const PLACES: usize = 5;
+const BLUR: f64 = 2.0;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Floor {
@@ -51,7 +52,7 @@ impl Drawing<'_> {
         let pixels = (0..WIDTH * HEIGHT).map(|i| {
             let mut sum = [0f32; 3];
             for place in 0..PLACES * PLACES {
-                let within = |index: usize| (index as f64 + 0.5) / PLACES as f64 - 0.5;
+                let within = |index: usize| BLUR * ((index as f64 + 0.5) / PLACES as f64 - 0.5);
                 let x = (i % WIDTH) as f64 + within(place % PLACES);
                 let y = (i / WIDTH) as f64 + within(place / PLACES);
                 let light = self.light(self.floor_point([x, y]));

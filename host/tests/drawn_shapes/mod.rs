@@ -102,12 +102,16 @@ impl Drawing {
 
     /// Detects and compares.
     pub(crate) fn outcome(&self) -> Outcome {
+        self.compared(&self.found())
+    }
+
+    /// The obstacles that are reported, the corners being given.
+    pub(crate) fn found(&self) -> Vec<Obstacle> {
         let (left, top) = (FRAME as f64 - 0.5, FRAME as f64 - 0.5);
         let (right, low) = (left + ARENA.width * SCALE, top + ARENA.height * SCALE);
         let corners = Some([[left, low], [right, low], [right, top], [left, top]]);
         let options = DetectOptions { corners, ..DetectOptions::default() };
-        let found = detect(&self.photo, ARENA, &options).unwrap().obstacles;
-        self.compared(&found)
+        detect(&self.photo, ARENA, &options).unwrap().obstacles
     }
 
     fn compared(&self, found: &[Obstacle]) -> Outcome {

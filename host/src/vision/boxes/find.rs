@@ -199,7 +199,9 @@ impl Picture<'_> {
     /// One that was mostly floor, or of which no side is seen without it, does not lean: it is what remains of
     /// its outline without floor, if anything.
     fn standing(&self, tools: &Sharpener<'_>, seen: LeaningBox) -> Option<(LeaningBox, Bounded)> {
-        let (seen, bounded) = tools.sharpen(seen);
+        let (measured, bounded) = tools.sharpen(seen);
+        // What two measures do not agree on explains nothing that is seen beside the footprint.
+        let seen = LeaningBox { lean: measured.lean.min(seen.lean), ..measured };
         let stands = without_floor(bounded.rect, self.look);
         let large = |rect: &Rect| area(*rect) > MOST_FLOOR * area(bounded.rect);
         match stands.filter(large) {

@@ -33,7 +33,10 @@ const LEAST_SHARE: f64 = 0.5;
 /// The same if no box shows how it leans.
 const LEAST_UNTOLD: f64 = 0.95;
 /// The same less the lit part of the floor that it puts in shadow.
-const LEAST_NET: f64 = 0.4;
+const LEAST_NET: f64 = 0.25;
+/// The same if fewer boxes than these show how they lean: flat things of several greys may look so.
+const MANY_TOLD: usize = 3;
+const LEAST_NET_OF_FEW: f64 = 0.5;
 /// Lamps usually hang about as high as cameras; one that does not must explain more by this share.
 const USUAL_RATIO: f64 = 1.1;
 const RATIO_SPREAD: f64 = 0.9;
@@ -88,11 +91,12 @@ impl Lamp {
         let improved = tried.into_iter().take(IMPROVED).map(|start| stage.improve(start));
         let (_, place) = improved.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let lamp = stage.lamp(place);
-        let told = leans.iter().any(Option::is_some);
-        let least = if told { LEAST_SHARE } else { LEAST_UNTOLD };
+        let told = leans.iter().flatten().count();
+        let least = if told > 0 { LEAST_SHARE } else { LEAST_UNTOLD };
+        let least_net = if told < MANY_TOLD { LEAST_NET_OF_FEW } else { LEAST_NET };
         // Cells that should be in shadow but are lit speak against the lamp.
         let net = f64::from(stage.score(place)) * (STRIDE * STRIDE) as f64 / shaded as f64;
-        (stage.share(lamp) > least && net > LEAST_NET).then_some(lamp)
+        (stage.share(lamp) > least && net > least_net).then_some(lamp)
     }
 }
 

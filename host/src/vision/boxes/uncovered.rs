@@ -33,7 +33,7 @@ const ROBOT_SHADOW: f64 = 2.5;
 const HALF_SHADOW: f64 = 0.03;
 const BORDER_SHADOW: f64 = 0.08;
 /// A patch as dark as shadow is shadow where more than this share of it lies where one is cast.
-const MOSTLY_CAST: f64 = 0.75;
+const MOSTLY_CAST: f64 = 0.5;
 /// What sticks out of a box by no more than this is a matter of its margin, metres.
 const MOST_WIDENED: f64 = 0.015;
 const MOST_WIDENED_LEANING: f64 = 0.03;

@@ -10,19 +10,20 @@
 //! P photo, E empty picture, x a pixel, c the picture's centre, t shift (pixels), θ turn (radians), J a quarter
 //! turn, σ growth. A motion too large for that leaves most edges where the photo has none.
 
+use crate::vision::appearance::median;
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, Raster};
 use nalgebra::{Matrix4, Vector4};
 
-/// A camera that moved by more, pixels and radians, has moved: what it may not do is twice that.
-const MOST_SHIFT: f64 = 0.5;
-const MOST_TURN: f64 = 0.05 * std::f64::consts::PI / 180.0;
+/// A camera that moved by more, pixels and radians, has moved: a pixel and 0.1° are always noticed.
+const MOST_SHIFT: f64 = 0.4;
+const MOST_TURN: f64 = 0.035 * std::f64::consts::PI / 180.0;
 /// The share of edges that both pictures have in one place if the camera did not move.
 const LEAST_AGREEING: f64 = 0.7;
 /// Edges differ by less than this, pixels, where nothing has changed.
 const TOLERANCE: f32 = 0.5;
-/// Noise in dark places is no edge: share of white.
-const DARK: f32 = 0.02;
+/// In dark places a little light is no edge: share of white.
+const DARK: f32 = 0.1;
 /// The mean around a pixel is that of so many pixels to both sides.
 const AROUND: usize = 4;
 /// Edges are at least this steep: logarithms a pixel, and share of the steepest.
@@ -30,8 +31,9 @@ const LEAST_SLOPE: f32 = 0.02;
 const STEEP_SHARE: f32 = 0.25;
 /// With fewer pixels at edges nothing is known of the motion.
 const LEAST_EDGES: usize = 100;
-/// Edges at most; of more every so many-th counts.
+/// Edges at most; of more, those in every so many-th block of so many pixels count.
 const MOST_EDGES: usize = 12_000;
+const BLOCK: usize = 16;
 /// Least-squares steps at each size of the picture, and sizes, each half the one before.
 const STEPS: usize = 12;
 const SIZES: usize = 4;
@@ -50,7 +52,7 @@ pub(super) struct Motion {
     agreeing: f64,
 }
 
-/// Refuses pictures by a camera that moved between them, by half a pixel or 0.05° or more.
+/// Refuses pictures by a camera that moved between them, by a pixel, 0.1° or more.
 ///
 /// # Errors
 /// [`VisionError::EmptySize`], [`VisionError::EmptyMoved`] or [`VisionError::EmptyUnlike`].
@@ -71,7 +73,9 @@ pub fn check_still(photo: &Photo, empty: &Photo) -> Result<(), VisionError> {
         return Err(VisionError::EmptySize { photo: size, empty: other });
     }
     let factor = photo.overview_factor();
-    let [small, small_empty] = [photo, empty].map(|picture| logs(&picture.reduced(factor)));
+    let (small, small_empty) = (photo.reduced(factor), empty.reduced(factor));
+    let gain = gain(&small, &small_empty);
+    let (small, small_empty) = (logs(&small, gain), logs(&small_empty, 1.0));
     let Some(motion) = Motion::of(&small, &small_empty, Motion::NONE) else { return Ok(()) };
     let half_diagonal = f64::hypot(small.width() as f64, small.height() as f64) / 2.0;
     let pixels = factor as f64;
@@ -201,16 +205,31 @@ fn edges(picture: &Raster<f32>) -> Vec<Edge> {
         local: locals.cells()[y * width + x],
     };
     let every = steep.len().div_ceil(MOST_EDGES).max(1);
-    steep.iter().step_by(every).map(edge).collect()
+    // Both sides of an edge count alike only in whole blocks.
+    let is_kept = |&&(x, y): &&(usize, usize)| (x / BLOCK + y / BLOCK).is_multiple_of(every);
+    steep.iter().filter(is_kept).map(edge).collect()
 }
 
-/// The logarithms of a photo's brightness in linear light.
-fn logs(photo: &Photo) -> Raster<f32> {
-    let lights = photo.code_lights();
-    let cells = photo.pixels().iter().map(|pixel| {
-        let sum: f32 = pixel.iter().map(|&code| lights[usize::from(code)]).sum();
-        (sum / 3.0 + DARK).ln()
-    });
+/// How much lighter a photo is than the empty picture, in the median of its pixels.
+fn gain(photo: &Photo, empty: &Photo) -> f32 {
+    let (lights, before) = (lights(photo), lights(empty));
+    let mut ratios: Vec<f32> = lights.zip(before).map(|(p, e)| (p + DARK) / (e + DARK)).collect();
+    median(&mut ratios).max(f32::MIN_POSITIVE)
+}
+
+/// The brightness of every pixel in linear light.
+fn lights(photo: &Photo) -> impl Iterator<Item = f32> {
+    let of_code = photo.code_lights();
+    photo
+        .pixels()
+        .iter()
+        .map(|pixel| pixel.iter().map(|&code| of_code[usize::from(code)]).sum::<f32>() / 3.0)
+}
+
+/// The logarithms of a photo's brightness in light that is `gain` times as strong as usual: dark places get
+/// as much contrast as they have in usual light.
+fn logs(photo: &Photo, gain: f32) -> Raster<f32> {
+    let cells = lights(photo).map(|light| (light / gain + DARK).ln());
     Raster::from_cells(photo.width(), cells.collect())
 }
 
