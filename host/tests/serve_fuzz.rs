@@ -127,6 +127,9 @@ fn long_way() -> Value {
     json!({"scene": scene, "goal": [99.7, 0.5]})
 }
 
+/// Wheels that have come to rest turn by a count or two more while the motors let go: metres and radians.
+const SETTLING: f64 = 0.004;
+
 #[test]
 fn nothing_that_is_asked_or_said_disturbs_a_drive_or_a_stop_or_moves_a_robot_at_rest() {
     let server = Server::start_at("1");
@@ -146,9 +149,9 @@ fn nothing_that_is_asked_or_said_disturbs_a_drive_or_a_stop_or_moves_a_robot_at_
 
     let before = drive_time(&server.state());
     server.done("stop", &json!({}));
-    let state = server.when("at rest", is_at_rest);
+    let stands = |state: &Value| is_at_rest(state) && state["base"]["wheels"] == json!([0.0, 0.0]);
+    let state = server.when("at rest", stands);
     assert_eq!(state["run"]["error"]["code"], "robot.stopped");
-    assert_eq!(state["base"]["wheels"], json!([0.0, 0.0]));
     // Heard within 0.3 s, and then braked within the limits: π/2 · 0.4 m/s / 0.8 m/s².
     let took = drive_time(&state) - before;
     assert!(took < 0.3 + 0.79, "at rest after {took} s");
@@ -156,7 +159,12 @@ fn nothing_that_is_asked_or_said_disturbs_a_drive_or_a_stop_or_moves_a_robot_at_
     let rest = server.when("stopped", |state| state["base"]["state"] == "stopped");
     pester(&server, &mut random, &PATHS, ATTEMPTS / 2);
     let state = server.state();
-    assert_eq!(state["base"]["pose"], rest["base"]["pose"], "it was told nothing");
+    let moved = |axis: usize| {
+        let [now, then] =
+            [&state, &rest].map(|state| state["base"]["pose"][axis].as_f64().unwrap());
+        (now - then).abs()
+    };
+    assert!((0..3).all(|axis| moved(axis) < SETTLING), "it was told nothing: {state} {rest}");
     assert_eq!(state["base"]["state"], "stopped");
 
     // And it drives again.
