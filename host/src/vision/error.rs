@@ -168,7 +168,7 @@ pub enum VisionError {
         empty: [usize; 2],
     },
     /// The camera does not stand where it stood.
-    #[error("the camera moved since the picture of the empty arena was taken: this photo is shifted by {shift:.1} pixels and turned by {:.2}°, at most 0.4 pixels and 0.03° are allowed; clear the arena and take a new picture, or leave --empty out", .turn.to_degrees())]
+    #[error("the camera moved since the picture of the empty arena was taken: this photo is shifted by {shift:.1} pixels and turned by {:.2}°, at most 0.4 pixels and 0.035° are allowed; clear the arena and take a new picture, or leave --empty out", .turn.to_degrees())]
     EmptyMoved {
         /// How far the photo is shifted, pixels.
         shift: f64,

@@ -59,12 +59,17 @@ pub(super) struct Motion {
 ///
 /// ```
 /// use wmr::vision::{Photo, VisionError, check_still};
-/// let square = |left: usize| {
-///     let pixel = |i: usize| (left..left + 40).contains(&(i % 96)) && (20..70).contains(&(i / 96));
-///     Photo::from_rgb(96, 96, (0..96 * 96).map(|i| [if pixel(i) { 40 } else { 200 }; 3]).collect())
+/// // A dark square whose edges a lens has blurred over three pixels.
+/// let square = |left: f64| {
+///     let pixel = |i: usize| {
+///         let (x, y) = ((i % 96) as f64, (i / 96) as f64);
+///         let depth = (x - left).min(left + 40.0 - x).min(y - 20.0).min(70.0 - y);
+///         [(200.0 - 160.0 * (depth / 3.0 + 0.5).clamp(0.0, 1.0)) as u8; 3]
+///     };
+///     Photo::from_rgb(96, 96, (0..96 * 96).map(pixel).collect())
 /// };
-/// check_still(&square(20)?, &square(20)?)?;
-/// assert!(matches!(check_still(&square(21)?, &square(20)?), Err(VisionError::EmptyMoved { .. })));
+/// check_still(&square(20.0)?, &square(20.0)?)?;
+/// assert!(matches!(check_still(&square(21.0)?, &square(20.0)?), Err(VisionError::EmptyMoved { .. })));
 /// # Ok::<(), VisionError>(())
 /// ```
 pub fn check_still(photo: &Photo, empty: &Photo) -> Result<(), VisionError> {
