@@ -42,7 +42,7 @@ fn a_mission_ends_at_its_goal_whatever_the_motors() {
             drive(simulated_robot(START, seed), legs, START, 60, |_, _| {}).unwrap();
         assert_at_goal(simulation.truth().pose);
         let ticks: u32 = events.iter().map(leg_ticks).sum();
-        // Legs are solved anew from where they really begin: some ticks more or less.
+        // Legs are solved again from where they really begin: some ticks more or less.
         assert!((f64::from(ticks) * 0.005 - planned).abs() < 0.1, "{ticks} {planned}");
     }
 }

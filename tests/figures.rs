@@ -44,6 +44,11 @@ fn calibration_finds_what_a_base_is() {
 }
 
 #[test]
+fn calibration_finds_what_scrubbing_tyres_do() {
+    assert_kept(&figures::scrub::measure(Size::Test));
+}
+
+#[test]
 fn pauses_and_stops_stay_on_the_path() {
     assert_kept(&figures::pause::measure(Size::Test));
 }

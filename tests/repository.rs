@@ -73,3 +73,30 @@ fn calls_that_only_unix_has_are_in_modules_for_unix() {
     }
     assert!(gated > 0, "the pseudo-terminal at least is for Unix only");
 }
+
+/// A clock that people or the network set may jump; what drives counts from its own start.
+#[test]
+fn nothing_between_host_and_wheels_reads_a_clock_that_can_be_set() {
+    let mut files = Vec::new();
+    for folder in ["protocol/src", "firmware/src", "host/src/link"] {
+        rust_files(&Path::new(ROOT).join(folder), &mut files);
+    }
+    assert!(files.len() > 50);
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(!text.contains("SystemTime"), "{}", file.display());
+    }
+}
+
+/// With both cores awake the executor above all others has been seen to die within half a minute.
+#[test]
+fn the_second_core_of_the_chip_is_never_started() {
+    let mut files = Vec::new();
+    rust_files(&Path::new(ROOT).join("firmware/src"), &mut files);
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for call in ["spawn_core1", "multicore", "CORE1"] {
+            assert!(!text.contains(call), "{} has {call}", file.display());
+        }
+    }
+}

@@ -59,7 +59,7 @@ impl Effort {
     }
 }
 
-/// The wheel, left or right, whose encoder counts what its motor cannot have done; full windows begin anew.
+/// The wheel, left or right, whose encoder counts what its motor cannot have done; full windows start again.
 pub(crate) fn misfit([left, right]: [&mut Effort; 2]) -> Option<Wheel> {
     let found = judge(*left, *right);
     if left.ticks == WINDOW && right.ticks == WINDOW {

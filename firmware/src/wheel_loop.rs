@@ -49,6 +49,12 @@ const DRIVING_DUTY: f32 = 0.15;
 /// For how long it must, ticks.
 const BACKWARD_TICKS: u8 = 20;
 
+/// An encoder without a count for so many ticks, on a wheel that should turn, stands or has no contact.
+const DEAD_TICKS: u8 = 6;
+/// In the second tick after that a motor, from standstill, has turned its wheel by ω0/τ · 1.5 ticks · 1 tick; more
+/// than this many times as much was turned before, and not counted.
+const JUMP_MARGIN: f32 = 2.5;
+
 /// No motor turns a wheel by more than this many times its no-load speed, downhill included.
 const LARGEST_OVERSPEED: f32 = 2.0;
 
@@ -70,6 +76,8 @@ pub(crate) struct WheelModel {
     breakaway_duty: f32,
     /// The most counts that a tick may bring.
     largest_leap: u32,
+    /// And the most that the second tick after standstill may.
+    largest_jump: u32,
 }
 
 impl From<&Parameters> for WheelModel {
@@ -78,6 +86,7 @@ impl From<&Parameters> for WheelModel {
         let radians_per_count = parameters.radians_per_count();
         // The largest leap is one of a tick, and a late tick may have seen the way of four.
         let largest = 4.0 * LARGEST_OVERSPEED * gains.no_load_speed * TICK.0;
+        let started = 1.5 * gains.no_load_speed / gains.time_constant * TICK.0 * TICK.0;
         Self {
             radians_per_count,
             speed_per_count: radians_per_count / (SPEED_TICKS as f32 * TICK.0),
@@ -87,6 +96,7 @@ impl From<&Parameters> for WheelModel {
             angle_gain: gains.angle_gain,
             breakaway_duty: gains.breakaway_duty,
             largest_leap: (largest / radians_per_count) as u32,
+            largest_jump: (JUMP_MARGIN * started / radians_per_count) as u32,
         }
     }
 }
@@ -102,6 +112,10 @@ pub(crate) struct WheelLoop {
     standing_ticks: u8,
     backward_ticks: u8,
     leapt: bool,
+    /// Ticks on end without a count, of a wheel that should turn.
+    dead_ticks: u8,
+    /// Whether the tick before was the first with a count after that.
+    revived: bool,
     effort: Effort,
 }
 
@@ -117,6 +131,8 @@ impl WheelLoop {
             standing_ticks: 0,
             backward_ticks: 0,
             leapt: false,
+            dead_ticks: 0,
+            revived: false,
             effort: Effort::default(),
         }
     }
@@ -147,6 +163,7 @@ impl WheelLoop {
         }
         self.count = count;
         self.leapt |= counts.unsigned_abs() > model.largest_leap;
+        self.watch_contact(counts.unsigned_abs(), model);
         // The speed wanted until now was to be reached in this tick; half of each tick counts.
         let due = (wanted + self.wanted) * (TICK.0 / 2.0);
         self.lag += due - counts as f32 * model.radians_per_count;
@@ -167,6 +184,15 @@ impl WheelLoop {
     /// What it takes to turn it, against what its motor's model asks for.
     pub(crate) fn effort(&mut self) -> &mut Effort {
         &mut self.effort
+    }
+
+    /// An encoder that falls silent at speed and goes on at speed has lost its contact for that time, and the
+    /// wheel's way with it: no wheel stops and starts so.
+    fn watch_contact(&mut self, counts: u32, model: &WheelModel) {
+        self.leapt |= self.revived && counts > model.largest_jump;
+        self.revived = counts > 0 && self.dead_ticks >= DEAD_TICKS;
+        self.dead_ticks =
+            counted(counts == 0 && self.wanted.abs() > SLOWEST_WATCHED, self.dead_ticks);
     }
 
     fn watch(&mut self, speed: f32, duty: f32, feed_forward: f32) {
@@ -249,6 +275,15 @@ mod tests {
         assert_eq!(leaping.fault(), None);
         leaping.tick(5.0, 1000, &model);
         assert_eq!(leaping.fault(), Some(Fault::Encoder));
+        // No contact for 40 ms at 10 rad/s, 11.5 counts a tick; and a wheel that was held as long.
+        for (starts, fault) in [([7, 11, 12], Some(Fault::Encoder)), ([1, 2, 4], None)] {
+            let (mut wheel, mut count) = (WheelLoop::new(0), 0);
+            for counts in [11, 12, 11, 12].into_iter().chain([0; 8]).chain(starts) {
+                count += counts;
+                wheel.tick(10.0, count, &model);
+            }
+            assert_eq!(wheel.fault(), fault, "{starts:?}");
+        }
         // Swapped wires: 5 rad/s forwards count as 5.7 counts a tick backwards.
         let mut swapped = WheelLoop::new(0);
         for tick in 1..=26 {

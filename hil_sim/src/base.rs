@@ -38,20 +38,17 @@ impl BaseParameters {
     pub fn seeded(seed: u64) -> Self {
         let mut random = fastrand::Rng::with_seed(seed);
         let mut motor = || 18.0 * (1.0 + 0.02 * (2.0 * random.f64() - 1.0));
-        let no_load_speed = [motor(), motor()];
         Self {
             wheel_radius: [0.035; 2],
             track: 0.12,
             counts_per_turn: 1440,
-            no_load_speed,
+            no_load_speed: [motor(), motor()],
             time_constant: 0.06,
             friction_duty: 0.03,
             encoder_phase: [random.f64(), random.f64()],
         }
     }
-}
 
-impl BaseParameters {
     /// The same base with other lengths than the controller believes in: both wheels `scale` times as
     /// large, the right one `ratio` times the left one, the track `track` times as wide.
     pub fn with_wrong_lengths(self, [scale, ratio, track]: [f64; 3]) -> Self {
@@ -133,10 +130,6 @@ impl WheeledBase {
     }
 
     /// A resting base with mass at `pose`.
-    ///
-    /// ```
-    /// use wmr_sim::{base::{TruePose, WheeledBase}, presets::Preset};
-    /// ```
     pub fn with_mass(design: Design, encoder: Encoder, pose: TruePose) -> Self {
         let model = Model::Dynamic(Box::new(Dynamics::new(design)));
         Self { model, pose, encoders: Encoders::new(encoder), faults: Faults::default() }
@@ -214,9 +207,8 @@ impl WheeledBase {
         for _ in 0..steps {
             let before = self.pose;
             self.step_once(duty, h, response);
-            if let Some(depth) = self.keep_out(before, radius, &mut touches) {
-                deepest = Some(deepest.map_or(depth, |deepest| deepest.max(depth)));
-            }
+            let depth = self.keep_out(before, radius, &mut touches);
+            deepest = depth.into_iter().chain(deepest).reduce(f64::max);
         }
         self.encoders.shake(self.faults.encoders);
         deepest
@@ -262,8 +254,7 @@ impl WheeledBase {
                 None => return Some(first.depth),
             }
         }
-        let was_outside = touches(before).is_none_or(|was| was.depth <= contact.depth);
-        if was_outside {
+        if touches(before).is_none_or(|was| was.depth <= contact.depth) {
             (self.pose.x, self.pose.y) = (before.x, before.y);
         }
         Some(first.depth)

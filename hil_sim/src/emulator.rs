@@ -47,10 +47,11 @@ const FLAG_DRIVER_ENABLED: u8 = 1;
 const FLAG_BOOT_LOADER: u8 = 2;
 
 /// Why the emulator cannot be run.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum EmulatorError {
     /// There is no such ELF file.
-    #[error("cannot read the firmware {}: {source}; build it with firmware/build", path.display())]
+    #[error("cannot read the firmware {}: {source}", path.display())]
+    #[diagnostic(help("build it with firmware/build"))]
     Elf {
         /// Where it should be.
         path: PathBuf,
@@ -58,9 +59,8 @@ pub enum EmulatorError {
         source: io::Error,
     },
     /// Node does not start.
-    #[error(
-        "cannot start {program}: {source}; the emulator needs Node.js 18 or later, https://nodejs.org"
-    )]
+    #[error("cannot start {program}: {source}")]
+    #[diagnostic(help("the emulator needs Node.js 18 or later, https://nodejs.org"))]
     Node {
         /// The program that does not start.
         program: &'static str,
@@ -68,27 +68,29 @@ pub enum EmulatorError {
         source: io::Error,
     },
     /// The packages cannot be installed.
-    #[error("cannot install the emulator's packages; try `npm ci` in {SCRIPTS}: {reason}")]
+    #[error("cannot install the emulator's packages: {reason}")]
+    #[diagnostic(help("try `npm ci` in {SCRIPTS}"))]
     Packages {
         /// What npm says.
         reason: String,
     },
     /// The emulator says that it cannot go on.
     #[error("the emulated Pico has failed: {reason}")]
+    #[diagnostic(help("build the firmware with firmware/build"))]
     Failed {
         /// What it says.
         reason: String,
     },
     /// The emulator's process has ended.
-    #[error(
-        "the emulator has ended unexpectedly ({source}); run the same again with node on your path"
-    )]
+    #[error("the emulator has ended unexpectedly ({source})")]
+    #[diagnostic(help("run the same again with node on your path"))]
     Gone {
         /// What happened to the pipe.
         source: io::Error,
     },
     /// The emulator answers nonsense.
-    #[error("the emulator's answer is too short; run `npm ci` in {SCRIPTS}, and firmware/build")]
+    #[error("the emulator's answer is too short")]
+    #[diagnostic(help("run `npm ci` in {SCRIPTS}, and firmware/build"))]
     Answer,
 }
 

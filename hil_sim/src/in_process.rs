@@ -50,6 +50,11 @@ impl InProcess {
         Self { robot, battery: None, made: (parameters, nonce, chip), flash, first_counts: None }
     }
 
+    /// The same with a clock that has run for so many ticks.
+    pub fn aged(self, ticks: u32) -> Self {
+        Self { robot: self.robot.aged(ticks), ..self }
+    }
+
     /// What the flash holds.
     pub fn flash(&self) -> &Flash {
         &self.flash
@@ -109,7 +114,7 @@ impl Firmware for InProcess {
         Ok(actuation.duty.map(f64::from))
     }
 
-    /// Starts anew with what the flash holds, and with the wheels where they are.
+    /// Starts again with what the flash holds, and with the wheels where they are.
     fn restart(&mut self) -> io::Result<()> {
         let (defaults, nonce, chip) = self.made;
         let flash = std::mem::take(&mut self.flash);

@@ -1,15 +1,18 @@
 //! A base that exists only in software: motors, wheels, encoders, wires and virtual time.
 //!
 //! ```text
-//! serial port, TCP, in process ─► wire ─► simulation ─► firmware (logic, or the flashed ELF) ─► base ─► world
+//! serial port, TCP, in process ─► wire ─► simulation ─► firmware (logic, or the flashed ELF) ─► base ─► world ─► camera
 //! ```
 //! It knows boxes, not scenes, and nothing of planning. Kinematics here are its own.
 
 pub mod base;
+pub mod camera;
 pub mod emulator;
 pub mod encoder;
 pub mod in_process;
 pub mod lockstep;
+pub mod motion;
+pub mod noise;
 pub mod physics;
 pub mod presets;
 #[cfg(unix)]

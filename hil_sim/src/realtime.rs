@@ -20,7 +20,7 @@ const LONGEST_GAP: Duration = Duration::from_millis(100);
 pub fn run<B: Firmware>(
     simulation: &mut Simulation<B>,
     port: &mut (impl Read + Write),
-    mut goes_on: impl FnMut(&Simulation<B>) -> bool,
+    mut goes_on: impl FnMut(&mut Simulation<B>) -> bool,
 ) -> io::Result<()> {
     let mut buffer = [0; 4096];
     let mut last = Instant::now();

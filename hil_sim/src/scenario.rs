@@ -7,8 +7,9 @@
 //! size = [1.6, 1.2]              # m
 //! radius = 0.075                 # of the robot
 //! base = "romi"                  # or none: the default base
-//! camera = "good"                # the robot is told where it is seen, 5 times a second
+//! camera = "good"                # the robot is told where it is, 5 times a second; or "pictures": where it is seen
 //! shapes = [{ rect = [0.8, 0.0, 1.0, 0.4] }]
+//! movers = [{ circle = [0.2, 1.0, 0.1], velocity = [0.1, 0.0] }]   # m/s; or way = [[x, y], ...], speed
 //!
 //! [mission]
 //! start = [0.4, 0.3, 0.0]        # x, y, heading, m and rad
@@ -24,9 +25,11 @@
 //! ```
 
 use crate::base::{BaseParameters, TruePose, WheeledBase};
+use crate::camera::{self, Stream, Timing};
 use crate::in_process::InProcess;
+use crate::noise::normal;
 use crate::presets::Preset;
-use crate::script::{FileError, Script, shapes};
+use crate::script::{FileError, Script, movers, shapes};
 use crate::simulation::{Firmware, Simulation};
 use crate::toml_file::{Section, must_be, parse};
 use crate::world::World;
@@ -41,6 +44,21 @@ const STILL: f64 = 0.001;
 const STILL_HEADING: f64 = 0.01;
 /// A camera's error, m and rad, one σ.
 const CAMERA_ERROR: [f64; 2] = [0.002, 0.005];
+/// The pictures of a scenario's camera, pixels, how many it takes in a second, and how late they come.
+const PICTURE: [usize; 2] = [640, 480];
+const PICTURE_RATE: f64 = 5.0;
+const PICTURE_LATENCY: Duration = Duration::from_millis(100);
+
+/// Who tells the robot of a scenario where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watch {
+    /// Nobody.
+    None,
+    /// Somebody who knows, but for a small error.
+    Poses,
+    /// Whoever finds it in the pictures of a camera.
+    Pictures,
+}
 
 /// When a fault of a scenario begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,8 +100,8 @@ pub struct Scenario {
     pub preset: Option<Preset>,
     /// Which of many slightly different ones.
     pub seed: u64,
-    /// Whether a camera tells the robot where it is.
-    pub camera: bool,
+    /// Who tells the robot where it is.
+    pub watch: Watch,
     /// Where the robot stands and believes to stand.
     pub start: TruePose,
     /// The points that it then drives to, m.
@@ -113,16 +131,19 @@ impl Scenario {
         let start = mission.numbers("start")?;
         let [x, y, heading] = start.ok_or_else(|| mission.wrong("start", "[x, y, heading]"))?;
         let way = mission.points("way")?.filter(|way| !way.is_empty());
+        let watches =
+            [("none", Watch::None), ("good", Watch::Poses), ("pictures", Watch::Pictures)];
+        let watch = world.choice("camera", &watches)?.unwrap_or(Watch::None);
         let scenario = Self {
             title: title.to_owned(),
             preset: world.choice("base", &presets)?,
             seed: world.number("seed", 0.0..=1e9)?.unwrap_or(1.0) as u64,
-            camera: world.choice("camera", &[("none", false), ("good", true)])?.unwrap_or(false),
+            watch,
             world: read_world(&world)?,
             start: TruePose { x, y, heading },
             way: way.ok_or_else(|| mission.wrong("way", "points: [[x, y], ...]"))?,
             goal_heading: mission.number("goal_heading", -10.0..=10.0)?,
-            script: Script::read(&file)?,
+            script: read_script(&file, watch)?,
             expect: read_expectations(&expect)?,
         };
         [&file, &world, &mission, &expect].into_iter().try_for_each(Section::finish)?;
@@ -145,7 +166,20 @@ impl Scenario {
             Some(preset) => preset.base(self.seed, self.start),
             None => WheeledBase::new(BaseParameters::seeded(self.seed), self.start),
         };
-        Simulation::new(firmware, base, Some(self.world.clone())).with_solid_shapes()
+        let simulation =
+            Simulation::new(firmware, base, Some(self.world.clone())).with_solid_shapes();
+        match self.pictures() {
+            Some(camera) => simulation.with_camera(camera),
+            None => simulation,
+        }
+    }
+
+    /// The camera whose pictures are looked at, if there is one.
+    pub fn pictures(&self) -> Option<Stream> {
+        let camera = || camera::Camera::above(self.world.size, PICTURE);
+        let (rate, latency, seed) = (PICTURE_RATE, PICTURE_LATENCY, self.seed);
+        let timing = Timing { rate, latency, lost: 0.0, seed };
+        (self.watch == Watch::Pictures).then(|| Stream::new(camera(), timing))
     }
 }
 
@@ -162,7 +196,7 @@ pub fn still_moves<B: Firmware>(simulation: &mut Simulation<B>) -> io::Result<bo
     Ok(way > STILL || (after.heading - before.heading).sin().abs() > STILL_HEADING)
 }
 
-/// The camera of a scenario.
+/// Somebody who knows where the robot of a scenario is, but for a small error.
 #[derive(Clone, Debug)]
 pub struct Camera {
     looks: bool,
@@ -172,14 +206,15 @@ pub struct Camera {
 impl Camera {
     /// The scenario's, with errors of its seed.
     pub fn of(scenario: &Scenario) -> Self {
-        Self { looks: scenario.camera, random: fastrand::Rng::with_seed(scenario.seed) }
+        Self {
+            looks: scenario.watch == Watch::Poses,
+            random: fastrand::Rng::with_seed(scenario.seed),
+        }
     }
 
-    /// Where it sees a robot that is at `pose`: x, y, heading; `None` if there is no camera.
+    /// Where it sees a robot that is at `pose`: x, y, heading; `None` if the scenario has nobody who knows.
     pub fn sees(&mut self, pose: TruePose) -> Option<[f64; 3]> {
-        // The sum of twelve is near enough to Gauss's curve.
-        let mut error =
-            |sigma: f64| sigma * ((0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0);
+        let mut error = |sigma: f64| sigma * normal(&mut self.random);
         let [position, heading] = CAMERA_ERROR;
         let seen =
             [pose.x + error(position), pose.y + error(position), pose.heading + error(heading)];
@@ -192,8 +227,20 @@ fn read_world(section: &Section<'_>) -> Result<World, FileError> {
     Ok(World {
         size: size.ok_or_else(|| section.wrong("size", "must be [width, height] above 0"))?,
         shapes: shapes(section, "shapes")?,
+        movers: movers(section, "movers")?,
         robot_radius: section.needed("radius", 0.01..=1.0)?,
     })
+}
+
+/// The faults; those of a camera need one that takes pictures.
+fn read_script(file: &Section<'_>, watch: Watch) -> Result<Script, FileError> {
+    let script = Script::read(file)?;
+    if script.needs_camera() && watch != Watch::Pictures {
+        return Err(
+            file.wrong("fault", "a camera-... fault needs camera = \"pictures\" in [world]")
+        );
+    }
+    Ok(script)
 }
 
 fn read_expectations(section: &Section<'_>) -> Result<Vec<(Moment, String)>, FileError> {
@@ -225,6 +272,21 @@ mod tests {
     }
 
     #[test]
+    fn a_camera_that_takes_pictures_can_be_dark() {
+        let text = TEXT.replace("\"romi\"", "\"romi\"\ncamera = \"pictures\"");
+        let scenario = Scenario::parse(&text.replace("\"reset\"", "\"camera-dark\"")).unwrap();
+        let mut simulation = scenario.in_process();
+        let brightest = |simulation: &mut Simulation<InProcess>| {
+            simulation.wait(Duration::from_millis(400)).unwrap();
+            std::iter::from_fn(|| simulation.take_frame()).last().unwrap().rgb.into_iter().max()
+        };
+        assert!(brightest(&mut simulation) > Some(150));
+        simulation.run_script(scenario.script.clone());
+        simulation.wait(Duration::from_millis(200)).unwrap();
+        assert!(brightest(&mut simulation) < Some(60));
+    }
+
+    #[test]
     fn what_is_wrong_is_refused_with_its_line() {
         for (good, bad, message) in [
             ("\"romi\"", "\"roomba\"", "line 5: base = \"roomba\" must be \"romi\", "),
@@ -233,6 +295,7 @@ mod tests {
             ("drive =", "driving =", "line 12: drive is missing"),
             ("0.1] }", "0.1], z = 1 }", "line 6: there is no z here; there are circle, rect"),
             ("title", "name", "line 1: title is missing"),
+            ("\"reset\"", "\"camera-dark\"", "line 10: fault "),
         ] {
             assert!(TEXT.contains(good));
             let error = Scenario::parse(&TEXT.replace(good, bad)).unwrap_err().to_string();

@@ -8,9 +8,11 @@
 //! Time passes only in [`Simulation::wait`], so a run is the same every time and as fast as it computes.
 
 use crate::base::{TruePose, WheeledBase};
+use crate::camera::{Frame, Stream};
+use crate::motion::{Motion, Mover};
 use crate::script::{Change, Condition, Glance, Script, Timeline};
 use crate::wire::{Faults, Pace, Wire};
-use crate::world::{CollisionLog, World};
+use crate::world::{CollisionLog, Shape, World};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::time::Duration;
@@ -53,6 +55,7 @@ pub struct Simulation<B> {
     firmware: B,
     base: WheeledBase,
     world: Option<World>,
+    camera: Option<Stream>,
     /// Whether shapes and walls keep the robot out, or are only watched.
     solid: bool,
     collision_log: CollisionLog,
@@ -83,6 +86,7 @@ impl<B: Firmware> Simulation<B> {
             firmware,
             base,
             world,
+            camera: None,
             solid: false,
             collision_log: CollisionLog::default(),
             to_robot: Wire::default(),
@@ -118,6 +122,22 @@ impl<B: Firmware> Simulation<B> {
         Self { solid: true, ..self }
     }
 
+    /// The same with a camera over its world; without a world there is nothing to see.
+    pub fn with_camera(self, camera: Stream) -> Self {
+        Self { camera: Some(camera), ..self }
+    }
+
+    /// The camera, to inject faults.
+    pub fn camera_mut(&mut self) -> Option<&mut Stream> {
+        self.camera.as_mut()
+    }
+
+    /// The next frame that the camera has delivered by now.
+    pub fn take_frame(&mut self) -> Option<Frame> {
+        let now = self.now();
+        self.camera.as_mut()?.take(now)
+    }
+
     /// The wires, to the robot and to the host.
     pub fn wires(&mut self) -> [&mut Wire; 2] {
         [&mut self.to_robot, &mut self.to_host]
@@ -138,6 +158,11 @@ impl<B: Firmware> Simulation<B> {
         &mut self.base
     }
 
+    /// The world as it is now, if there is one.
+    pub fn world(&self) -> Option<&World> {
+        self.world.as_ref()
+    }
+
     /// What really happened so far.
     pub fn truth(&self) -> Truth {
         Truth {
@@ -156,12 +181,17 @@ impl<B: Firmware> Simulation<B> {
             self.owed -= B::STEP;
             self.now += B::STEP;
             self.follow_script()?;
+            self.world.iter_mut().for_each(|world| world.advance(self.now));
             let mut received = Vec::new();
             while let Some(bytes) = self.to_robot.read(self.now) {
                 received.extend(bytes);
             }
             let duty = if self.powered { self.step_firmware(&received)? } else { [0.0; 2] };
             self.move_base(duty, B::STEP.as_secs_f64());
+            if let (Some(camera), Some(world)) = (&mut self.camera, &self.world) {
+                let pose = self.base.pose();
+                camera.expose(self.now, |camera| camera.look().stage(world, pose));
+            }
         }
         Ok(())
     }
@@ -184,8 +214,9 @@ impl<B: Firmware> Simulation<B> {
         for change in changes {
             self.change(change)?;
         }
-        if let Some(Condition { base, wires }) = condition {
+        if let Some(Condition { base, wires, camera }) = condition {
             self.base.set_faults(base);
+            self.camera.iter_mut().for_each(|stream| stream.set_faults(camera));
             let ends = [&mut self.to_robot, &mut self.to_host].into_iter().zip(wires);
             for ((wire, scripted), own) in ends.zip(self.own_wires) {
                 let (faults, pace) = scripted.unwrap_or(own);
@@ -212,14 +243,23 @@ impl<B: Firmware> Simulation<B> {
                 self.base.place(TruePose { x, y, heading: heading + turn });
             }
             Change::Place(pose) => self.base.place(pose),
-            Change::Add(shape) => {
-                self.world.iter_mut().for_each(|world| world.shapes.push(shape.clone()));
-            }
-            Change::Remove(shape) => {
-                self.world.iter_mut().for_each(|world| world.shapes.retain(|is| *is != shape));
+            Change::Add(shape, motion) => self.add(shape, motion),
+            Change::Remove(shape, motion) => {
+                if let Some(world) = &mut self.world {
+                    world.shapes.retain(|is| *is != shape || motion != Motion::Still);
+                    world.movers.retain(|mover| !mover.is_made_of(&shape, &motion));
+                }
             }
         }
         Ok(())
+    }
+
+    fn add(&mut self, shape: Shape, motion: Motion) {
+        let Some(world) = &mut self.world else { return };
+        match motion {
+            Motion::Still => world.shapes.push(shape),
+            motion => world.movers.push(Mover::new(shape, motion, self.now)),
+        }
     }
 
     fn move_base(&mut self, duty: [f64; 2], seconds: f64) {

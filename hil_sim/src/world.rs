@@ -1,6 +1,8 @@
 //! The arena around the base: true shapes and walls, and whether the robot touched one. Metres.
 
 use crate::base::{Contact, TruePose};
+use crate::motion::Mover;
+use std::time::Duration;
 
 /// Overlaps up to this depth are contact, not collision, m.
 const CONTACT: f64 = 0.0001;
@@ -21,6 +23,17 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The same elsewhere, by these lengths, m.
+    pub fn shifted(&self, [dx, dy]: [f64; 2]) -> Self {
+        match self {
+            &Self::Rect([x0, y0, x1, y1]) => Self::Rect([x0 + dx, y0 + dy, x1 + dx, y1 + dy]),
+            &Self::Circle([x, y, radius]) => Self::Circle([x + dx, y + dy, radius]),
+            Self::Polygon(corners) => {
+                Self::Polygon(corners.iter().map(|[x, y]| [x + dx, y + dy]).collect())
+            }
+        }
+    }
+
     /// Its corners; of a disc, points around it.
     pub fn outline(&self) -> Vec<[f64; 2]> {
         match self {
@@ -50,20 +63,30 @@ impl Shape {
     }
 }
 
-/// As [`Shape::signed_distance`]. Inside is where the outline winds around the point: the angles under
-/// which its edges are seen add up to a full turn.
+/// As [`Shape::signed_distance`].
 fn polygon_distance(corners: &[[f64; 2]], x: f64, y: f64) -> f64 {
-    let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
-    for (&[ax, ay], &[bx, by]) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-        let (ux, uy, vx, vy) = (ax - x, ay - y, bx - x, by - y);
-        let (ex, ey) = (bx - ax, by - ay);
-        let square = ex * ex + ey * ey;
-        let share =
-            if square > 0.0 { (-(ux * ex + uy * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
-        nearest = nearest.min((ux + share * ex).hypot(uy + share * ey));
-        winding += (ux * vy - uy * vx).atan2(ux * vx + uy * vy);
-    }
-    if winding.abs() > std::f64::consts::PI { -nearest } else { nearest }
+    let to_edge = |(&a, &b)| segment_square([x, y], a, b);
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+    let nearest = edges.map(to_edge).fold(f64::INFINITY, f64::min).sqrt();
+    if polygon_holds(corners, [x, y]) { -nearest } else { nearest }
+}
+
+/// Whether a point lies inside a simple polygon: what goes from it to the right crosses an odd number of edges.
+pub(crate) fn polygon_holds(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+    let crossed = edges.filter(|&(&[ax, ay], &[bx, by])| {
+        (ay > y) != (by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax)
+    });
+    crossed.count() % 2 == 1
+}
+
+/// The square of the distance from a point to the segment from `a` to `b`, m².
+pub(crate) fn segment_square([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+    let (px, py, ex, ey) = (x - ax, y - ay, bx - ax, by - ay);
+    let square = ex * ex + ey * ey;
+    let share = if square > 0.0 { ((px * ex + py * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let (dx, dy) = (px - share * ex, py - share * ey);
+    dx * dx + dy * dy
 }
 
 /// A true arena.
@@ -73,17 +96,24 @@ pub struct World {
     pub size: [f64; 2],
     /// What stands on the floor.
     pub shapes: Vec<Shape>,
+    /// Shapes that move.
+    pub movers: Vec<Mover>,
     /// Radius of the robot's disc, m.
     pub robot_radius: f64,
 }
 
 impl World {
+    /// Moves what moves to where it is at `now`.
+    pub fn advance(&mut self, now: Duration) {
+        self.movers.iter_mut().for_each(|mover| mover.advance(now));
+    }
+
     /// The gap between the robot's disc at `pose` and the nearest shape or wall, m; negative where it overlaps.
     ///
     /// ```
     /// use wmr_sim::{base::TruePose, world::{Shape, World}};
     /// let shapes = vec![Shape::Rect([1.0, 0.0, 1.2, 1.0])];
-    /// let world = World { size: [2.0, 1.0], shapes, robot_radius: 0.1 };
+    /// let world = World { size: [2.0, 1.0], shapes, movers: Vec::new(), robot_radius: 0.1 };
     /// let gap = world.clearance(TruePose { x: 0.5, y: 0.5, heading: 0.0 });
     /// assert!((gap - 0.4).abs() < 1e-12);
     /// ```
@@ -91,7 +121,8 @@ impl World {
         let TruePose { x, y, .. } = pose;
         let [width, height] = self.size;
         let wall = x.min(y).min(width - x).min(height - y);
-        let nearest = self.shapes.iter().map(|shape| shape.signed_distance(x, y));
+        let moving = self.movers.iter().map(Mover::shape);
+        let nearest = self.shapes.iter().chain(moving).map(|shape| shape.signed_distance(x, y));
         nearest.fold(wall, f64::min) - self.robot_radius
     }
 
@@ -162,7 +193,7 @@ mod tests {
     #[test]
     fn clearance_to_walls_edges_corners_and_insides() {
         let shapes = vec![Shape::Rect([1.0, 1.0, 2.0, 2.0])];
-        let world = World { size: [4.0, 4.0], shapes, robot_radius: 0.1 };
+        let world = World { size: [4.0, 4.0], shapes, movers: Vec::new(), robot_radius: 0.1 };
         assert!((world.clearance(at(0.3, 3.0)) - 0.2).abs() < 1e-12);
         assert!((world.clearance(at(2.5, 1.5)) - 0.4).abs() < 1e-12);
         assert!((world.clearance(at(2.3, 2.4)) - 0.4).abs() < 1e-12);
@@ -200,7 +231,7 @@ mod tests {
             Shape::Circle([0.5, 3.0, 0.2]),
             Shape::Polygon(corners.to_vec()),
         ];
-        let world = World { size: [4.0, 4.0], shapes, robot_radius: 0.1 };
+        let world = World { size: [4.0, 4.0], shapes, movers: Vec::new(), robot_radius: 0.1 };
         let mut random = fastrand::Rng::with_seed(1);
         let mut touched = 0;
         for _ in 0..2000 {

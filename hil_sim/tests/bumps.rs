@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use std::io;
 use std::time::Duration;
 use wmr_sim::base::{BaseParameters, TruePose, WheeledBase};
+use wmr_sim::in_process::InProcess;
 use wmr_sim::presets::Preset;
+use wmr_sim::script::Script;
 use wmr_sim::simulation::{Firmware, Simulation};
 use wmr_sim::world::{Shape, World};
 
@@ -45,7 +47,12 @@ fn no_base_ever_passes_into_a_shape_or_wall() {
         let start = TruePose { x: 0.8, y: 0.7, heading };
         let duty = [[1.0, 1.0], [-1.0, -1.0], [1.0, 0.8]][seed as usize % 3];
         for base in bases(seed, start) {
-            let world = World { size: [1.6, 1.6], shapes: shapes(), robot_radius: RADIUS };
+            let world = World {
+                size: [1.6, 1.6],
+                shapes: shapes(),
+                movers: Vec::new(),
+                robot_radius: RADIUS,
+            };
             let mut simulation =
                 Simulation::new(Constant(duty), base, Some(world.clone())).with_solid_shapes();
             for _ in 0..800 {
@@ -64,7 +71,8 @@ fn no_base_ever_passes_into_a_shape_or_wall() {
 /// Against a wall that it meets askew a base slides along, head on it stands.
 #[test]
 fn a_base_slides_along_a_wall_and_stands_before_it() {
-    let world = World { size: [2.0, 2.0], shapes: Vec::new(), robot_radius: RADIUS };
+    let world =
+        World { size: [2.0, 2.0], shapes: Vec::new(), movers: Vec::new(), robot_radius: RADIUS };
     let run = |heading| {
         let start = TruePose { x: 1.0, y: 0.3, heading };
         let base = WheeledBase::new(BaseParameters::paper(1), start);
@@ -82,7 +90,8 @@ fn a_base_slides_along_a_wall_and_stands_before_it() {
 /// A motor too weak to spin its tyres stalls at the wall: wheels stand, and the push is its torque's.
 #[test]
 fn a_base_with_mass_stalls_or_spins_at_a_wall() {
-    let world = World { size: [2.0, 2.0], shapes: Vec::new(), robot_radius: RADIUS };
+    let world =
+        World { size: [2.0, 2.0], shapes: Vec::new(), movers: Vec::new(), robot_radius: RADIUS };
     for (duty, stalls) in [(0.12, true), (1.0, false)] {
         let start = TruePose { x: 0.3, y: 1.0, heading: TAU / 2.0 };
         let base = WheeledBase::with_mass(Preset::Romi.design(), Preset::Romi.encoder(), start);
@@ -93,4 +102,25 @@ fn a_base_with_mass_stalls_or_spins_at_a_wall() {
         let [left, _] = simulation.base_mut().wheel_speeds();
         assert_eq!(left.abs() < 0.05, stalls, "duty {duty}: {left} rad/s");
     }
+}
+
+/// A box that drives over a resting robot pushes it on, and that is one collision.
+#[test]
+fn a_moving_shape_pushes_a_resting_robot_ahead_of_itself() {
+    let text = "kind = \"shape\"\nrect = [0.2, 0.8, 0.4, 1.2]\nvelocity = [0.3, 0.0]\nat = 0.5";
+    let script = Script::parse(&format!("[[fault]]\n{text}")).unwrap();
+    let world =
+        World { size: [2.0, 2.0], shapes: Vec::new(), movers: Vec::new(), robot_radius: RADIUS };
+    let start = TruePose { x: 1.0, y: 1.0, heading: 1.0 };
+    let base = WheeledBase::new(BaseParameters::seeded(1), start);
+    let mut simulation =
+        Simulation::new(InProcess::default(), base, Some(world)).with_solid_shapes();
+    simulation.run_script(script);
+    simulation.wait(Duration::from_secs(2)).unwrap();
+    assert_eq!(simulation.truth().pose, start);
+    simulation.wait(Duration::from_secs(1)).unwrap();
+    // 0.3 m/s for 2.5 s: the box's right side is then at 1.15 m.
+    let truth = simulation.truth();
+    assert!((truth.pose.x - 1.15 - RADIUS).abs() < 0.003, "{truth:?}");
+    assert_eq!(truth.collision_log.unwrap().collisions, 1);
 }

@@ -64,7 +64,7 @@ fn peak_bytes<T>(run: impl FnOnce() -> T) -> usize {
 
 fn paper(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> usize {
     let Some(map) = PlanMap::from_seen_corners(photo, arena, corners, 0.0) else { return 0 };
-    let frame = PlanFrame { arena, scale: SCALE, margin: 0.0 };
+    let frame = PlanFrame::new(arena, SCALE, 0.0);
     let brightness = brightness_view(photo, &map, &frame);
     rectangles(&paper_obstacles(&brightness), 36.0).len()
 }

@@ -61,21 +61,22 @@ pub struct Calibration {
 }
 
 /// Why no lengths are found.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CalibrationError {
     /// The runs leave a length open.
-    #[error(
-        "these runs do not determine all lengths; drive a square both ways, a straight and a spin"
-    )]
+    #[error("these runs do not determine all lengths")]
+    #[diagnostic(help("drive a square both ways, a straight and a spin"))]
     Undetermined,
     /// A measured end is no number, or no lengths explain the runs.
-    #[error("no lengths explain these runs (they still miss by {rms:.3} m); measure again")]
+    #[error("no lengths explain these runs (they still miss by {rms:.3} m)")]
+    #[diagnostic(help("measure again"))]
     Unexplained {
         /// What is left, m.
         rms: f64,
     },
     /// A length would be far from what the robot uses now.
-    #[error("the {what} would change by {percent:.1} %; measure again, or set it by hand first")]
+    #[error("the {what} would change by {percent:.1} %")]
+    #[diagnostic(help("measure again, or set it by hand first"))]
     TooFar {
         /// Which length.
         what: &'static str,

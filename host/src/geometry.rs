@@ -3,11 +3,15 @@
 //! These are the words that vision, grid and plan share; the robot's own `f32` types live in
 //! [`protocol::motion`] and the conversion is in one place, the legs.
 
+mod side;
+
 use serde::{Deserialize, Serialize};
+pub use side::{PerSide, Side};
 use std::f64::consts::{PI, TAU};
 
 /// A point of the arena, metres. In JSON: `[x, y]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct Point {
     /// To the right of the arena's lower-left corner, metres.
@@ -55,6 +59,7 @@ impl From<Point> for [f64; 2] {
 
 /// The floor's size, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Arena {
     /// Along x, metres.
     pub width: f64,
@@ -64,6 +69,7 @@ pub struct Arena {
 
 /// A rectangle with sides parallel to the arena's, metres. In JSON: `[x0, y0, x1, y1]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(from = "[f64; 4]", into = "[f64; 4]")]
 pub struct Rect {
     /// Left edge, metres.
@@ -93,6 +99,11 @@ impl Rect {
         })
     }
 
+    /// The point in the middle.
+    pub const fn centre(self) -> Point {
+        Point::new(f64::midpoint(self.x0, self.x1), f64::midpoint(self.y0, self.y1))
+    }
+
     /// The corners, counter-clockwise from the lower left.
     pub fn corners(self) -> [Point; 4] {
         let Self { x0, y0, x1, y1 } = self;
@@ -107,6 +118,12 @@ impl Rect {
     /// The rectangle with its left, lower, right and upper edge so many metres further out.
     pub fn widened(self, [left, lower, right, upper]: [f64; 4]) -> Self {
         Self { x0: self.x0 - left, y0: self.y0 - lower, x1: self.x1 + right, y1: self.y1 + upper }
+    }
+
+    /// The smallest rectangle that holds both.
+    pub fn union(self, other: Self) -> Self {
+        let (x0, y0) = (self.x0.min(other.x0), self.y0.min(other.y0));
+        Self { x0, y0, x1: self.x1.max(other.x1), y1: self.y1.max(other.y1) }
     }
 
     /// Whether the two have more than an edge in common.
@@ -141,6 +158,7 @@ impl From<Rect> for [f64; 4] {
 
 /// Where a robot stands and looks: metres and radians. In JSON: `[x, y, heading]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(from = "[f64; 3]", into = "[f64; 3]")]
 pub struct Pose {
     /// The centre of the wheel axis, metres.
@@ -153,6 +171,32 @@ impl Pose {
     /// The pose at (`x`, `y`) metres with `heading` radians.
     pub const fn new(x: f64, y: f64, heading: f64) -> Self {
         Self { position: Point::new(x, y), heading }
+    }
+
+    /// The pose that is `next` as seen from this one.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// use wmr::geometry::Pose;
+    /// let there = Pose::new(1.0, 2.0, FRAC_PI_2).then(Pose::new(0.5, 0.0, FRAC_PI_2));
+    /// assert!((there.position.y - 2.5).abs() < 1e-12 && (there.heading - 2.0 * FRAC_PI_2).abs() < 1e-12);
+    /// ```
+    pub fn then(self, next: Self) -> Self {
+        let (sin, cos) = self.heading.sin_cos();
+        let Point { x, y } = next.position;
+        Self::new(
+            self.position.x + cos * x - sin * y,
+            self.position.y + sin * x + cos * y,
+            wrap_angle(self.heading + next.heading),
+        )
+    }
+
+    /// The pose from which the arena's origin is seen as the arena's origin sees this one:
+    /// `pose.inverse().then(pose)` is the origin.
+    pub fn inverse(self) -> Self {
+        let (sin, cos) = self.heading.sin_cos();
+        let Point { x, y } = self.position;
+        Self::new(-cos * x - sin * y, sin * x - cos * y, wrap_angle(-self.heading))
     }
 }
 

@@ -134,6 +134,16 @@ pub fn from_wire(pose: motion::Pose) -> Pose {
     Pose::new(pose.x.0.into(), pose.y.0.into(), pose.heading.0.into())
 }
 
+/// The host's pose in the robot's numbers.
+pub fn to_wire(pose: Pose) -> motion::Pose {
+    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
+}
+
+/// An f32 as the shortest decimal that means it: 0.035, not 0.03500000014901161.
+pub fn shortest(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::NAN)
+}
+
 struct Way {
     ticks: u32,
     pose: motion::Pose,

@@ -61,24 +61,63 @@ impl Family {
 }
 
 /// Why an ELF file cannot become a UF2 file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 pub enum Uf2Error {
     /// The file is something else.
-    #[error("this is no 32-bit ELF file; firmware/build makes one in target/firmware")]
+    #[error("this is no 32-bit ELF file")]
+    #[diagnostic(help("firmware/build makes one in target/firmware"))]
     NotElf,
     /// A header points behind the end of the file.
-    #[error(
-        "the ELF file ends early, at a part that should be at byte {offset}; build it again with firmware/build"
-    )]
+    #[error("the ELF file ends early, at a part that should be at byte {offset}")]
+    #[diagnostic(help("build it again with firmware/build"))]
     Truncated {
         /// Where the missing part should be.
         offset: usize,
     },
     /// The file is a program for something else.
-    #[error(
-        "the ELF file puts nothing into flash, so it is not a Pico's; take target/firmware/pico.elf"
-    )]
+    #[error("the ELF file puts nothing into flash, so it is not a Pico's")]
+    #[diagnostic(help("take target/firmware/pico.elf"))]
     NothingForFlash,
+    /// A UF2 file that is cut short, empty, or damaged.
+    #[error("block {block} of the UF2 file is damaged or cut short")]
+    #[diagnostic(help("copy the file again, or build it with firmware/build"))]
+    Damaged {
+        /// Counted from 0.
+        block: usize,
+    },
+    /// The file is for another chip than those that this program knows.
+    #[error("the UF2 file is for a chip of family {family:08x}, neither a Pico's nor a Pico 2's")]
+    #[diagnostic(help("take target/firmware/pico.uf2 or pico2.uf2"))]
+    Family {
+        /// As the file says.
+        family: u32,
+    },
+}
+
+/// The chip that a UF2 file is for, once every one of its blocks is whole, in its place and for that chip.
+///
+/// # Errors
+/// If a block is damaged, or the file is for another chip.
+///
+/// ```
+/// assert!(wmr::uf2::family_of(b"not a firmware").is_err());
+/// ```
+pub fn family_of(uf2: &[u8]) -> Result<Family, Uf2Error> {
+    let count = uf2.len() / BLOCK;
+    let first = word(uf2, 28).map_err(|_| Uf2Error::Damaged { block: 0 })?;
+    for (block, bytes) in uf2.chunks(BLOCK).enumerate() {
+        let field = |offset| word(bytes, offset).map_err(|_| Uf2Error::Damaged { block });
+        let marks = [field(0)?, field(4)?, field(BLOCK - 4)?];
+        let place = [field(20)? as usize, field(24)? as usize];
+        let [start, second] = MAGIC_START;
+        if marks != [start, second, MAGIC_END] || place != [block, count] || field(28)? != first {
+            return Err(Uf2Error::Damaged { block });
+        }
+    }
+    [Family::Rp2040, Family::Rp2350]
+        .into_iter()
+        .find(|family| family.id() == first)
+        .ok_or(Uf2Error::Family { family: first })
 }
 
 /// What an ELF file puts into flash.
@@ -201,6 +240,21 @@ mod tests {
         assert_eq!(second[12..16], 0x1000_0100_u32.to_le_bytes());
         assert_eq!(second[32..35], [4, 5, ERASED]);
         assert_eq!(second[508..], MAGIC_END.to_le_bytes());
+    }
+
+    #[test]
+    fn a_uf2_file_is_known_by_its_chip_and_damage_is_seen() {
+        let file = Image::from_elf(&elf()).unwrap().to_uf2();
+        assert_eq!(family_of(&file), Ok(Family::Rp2040));
+        assert_eq!(family_of(&file[..BLOCK]), Err(Uf2Error::Damaged { block: 0 }), "1 of 2");
+        assert_eq!(family_of(&file[..file.len() - 1]), Err(Uf2Error::Damaged { block: 0 }));
+        assert_eq!(family_of(&[]), Err(Uf2Error::Damaged { block: 0 }));
+        let mut other = file.clone();
+        other[BLOCK..][..4].fill(0);
+        assert_eq!(family_of(&other), Err(Uf2Error::Damaged { block: 1 }));
+        let mut other = file;
+        [0, BLOCK].into_iter().for_each(|block| other[block + 28] ^= 1);
+        assert!(matches!(family_of(&other), Err(Uf2Error::Family { .. })));
     }
 
     #[test]

@@ -24,34 +24,32 @@ pub struct Turn {
 }
 
 /// What is wrong with a base that no setting mends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 pub enum WiringFault {
     /// A motor did not turn.
-    #[error(
-        "no wheel turned on the {outputs} motor outputs; check that motor's wires, the driver's supply and the battery"
-    )]
+    #[error("no wheel turned on the {outputs} motor outputs")]
+    #[diagnostic(help("check that motor's wires, the driver's supply and the battery"))]
     NoMotor {
         /// Whose.
         outputs: &'static str,
     },
     /// Both outputs turn one wheel.
-    #[error("the {wheel} wheel turned both times; look again, or check the motors' wires")]
+    #[error("the {wheel} wheel turned both times")]
+    #[diagnostic(help("look again, or check the motors' wires"))]
     SameWheel {
         /// Which.
         wheel: &'static str,
     },
     /// A wheel turned and nothing was counted.
-    #[error(
-        "the {wheel} wheel turned, but no encoder counted; check its encoder's supply and both channels"
-    )]
+    #[error("the {wheel} wheel turned, but no encoder counted")]
+    #[diagnostic(help("check its encoder's supply and both channels"))]
     NoCounts {
         /// Which.
         wheel: &'static str,
     },
     /// One channel of an encoder is dead, or two are mixed up.
-    #[error(
-        "the {wheel} wheel turned, but both encoders counted ({left} and {right}); check that no channel of one is on the other's pins"
-    )]
+    #[error("the {wheel} wheel turned, but both encoders counted ({left} and {right})")]
+    #[diagnostic(help("check that no channel of one is on the other's pins"))]
     BothCount {
         /// Which.
         wheel: &'static str,
@@ -61,7 +59,8 @@ pub enum WiringFault {
         right: i32,
     },
     /// Both wheels are counted by one input.
-    #[error("both wheels were counted on the {input} encoder input; check the encoders' wires")]
+    #[error("both wheels were counted on the {input} encoder input")]
+    #[diagnostic(help("check the encoders' wires"))]
     SameEncoder {
         /// Which.
         input: &'static str,

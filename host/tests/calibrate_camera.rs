@@ -1,9 +1,11 @@
 //! `wmr calibrate camera` from the command line: a file that detect takes, and errors that help.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
+mod program;
+
+use program::{document, numbers, succeed, wmr};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
 
 /// Drawn at 250 pixels a metre, looking straight down on the middle of the arena.
 const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/paper.png");
@@ -17,24 +19,6 @@ const FOCAL_TOLERANCE: f64 = 0.5;
 const PLACE_TOLERANCE: f64 = 0.002;
 /// Two pixels.
 const EDGE_TOLERANCE: f64 = 0.008;
-
-fn wmr(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_wmr")).args(arguments).output().unwrap()
-}
-
-fn document(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
-
-fn succeed(arguments: &[&str]) -> Value {
-    let output = wmr(arguments);
-    assert!(output.status.success(), "{arguments:?}: {output:?}");
-    document(&output)
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
-}
 
 fn calibrate(words: &[&str]) -> Vec<String> {
     let all = [&["calibrate", "camera", "--json", "--arena", ARENA], words].concat();
@@ -129,7 +113,7 @@ fn corners_may_be_pointed_at() {
     assert!((camera["K"][0][0].as_f64().unwrap() / FOCAL - 1.0).abs() < 0.005, "{camera}");
     let wrong: Vec<String> = corners.into_iter().rev().collect();
     let (exit, [_, message, _]) = refused(&[PHOTO, "--corners", &wrong.join(" ")]);
-    assert!(exit == 3 && message.contains("enclose no floor"), "{message}");
+    assert!(exit == 3 && message.contains("do not run counter-clockwise"), "{message}");
 }
 
 /// A corner as one would read it off a picture.

@@ -5,7 +5,7 @@ mod program;
 
 use program::{
     ENDS, PAPER, PAPER_PHOTO, PHOTO, PHOTO_ARENA, PHOTO_GOAL, assert_arrived, assert_refused,
-    document, floor, number, numbers, read_json, succeed, wmr, write,
+    assert_valid, document, floor, number, numbers, read_json, succeed, wmr, write,
 };
 use serde_json::Value;
 use std::process::{Command, Stdio};
@@ -24,11 +24,15 @@ fn the_demo_reaches_its_goal_and_leaves_pictures() {
     {
         assert!(folder.path().join(name).metadata().unwrap().len() > 100, "{name}");
     }
+    for file in std::fs::read_dir(folder.path()).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let is_picture = name.ends_with(".png") || name.ends_with(".svg");
+        assert!(!is_picture || wmr::picture::index::caption(&name).is_some(), "{name}");
+    }
     let log = std::fs::read_to_string(folder.path().join("run.jsonl")).unwrap();
-    let times: Vec<f64> = log
-        .lines()
-        .map(|line| number(&serde_json::from_str::<Value>(line).unwrap()["t"]))
-        .collect();
+    let lines: Vec<Value> = log.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    lines.iter().for_each(|line| assert_valid("run-line", line));
+    let times: Vec<f64> = lines.iter().map(|line| number(&line["t"])).collect();
     assert!(times.len() > 100 && times.is_sorted());
 }
 
@@ -37,7 +41,7 @@ fn the_papers_experiment_is_found_in_a_picture_of_it() {
     let drawn = wmr::picture::overhead::overhead_png(&paper_scene(), 250.0).unwrap();
     assert!(
         std::fs::read(PAPER_PHOTO).unwrap() == drawn,
-        "draw it anew: host/examples/paper_picture.rs"
+        "draw it again: host/examples/paper_picture.rs"
     );
     let photo = [PAPER_PHOTO, "--arena", "1.6x2.0", "--goal", "1.4,1.75"];
     let plan = succeed(&[&["plan"], &photo[..], &["--planner", "grid", "--json"]].concat());
@@ -131,6 +135,7 @@ fn broken_input_is_refused_with_the_contracts_exit_code() {
     assert_refused(2, "usage", &["plan", PAPER, "--goal", "NaN,1"]);
     assert_refused(2, "usage", &["plan", PHOTO, "--goal", "1,1"]);
     assert_refused(2, "usage", &["fly"]);
+    assert_refused(2, "usage", &["sim", "--pty", "never", "--fault", "camera-dark"]);
     let incomplete = document(&wmr(&["sim", "--json"]));
     assert!(incomplete["error"]["message"].as_str().unwrap().contains("--pty"), "{incomplete}");
     assert_refused(5, "port.missing", &["drive", PAPER, "--port", "/dev/no-such-port"]);

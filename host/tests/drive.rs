@@ -53,6 +53,34 @@ fn a_goal_missed_is_one_document_and_exit_code_7() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("robot.missed"), "{output:?}");
 }
 
+/// What `wmr drive PLAN OPTIONS --port sim --json` prints, and says beside it.
+fn driven(plan: &str, options: &[&str]) -> (serde_json::Value, String) {
+    let output = wmr(&[&["drive", plan, "--port", "sim", "--json"], options].concat());
+    (document(&output), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn a_plan_is_driven_as_it_was_made_and_other_legs_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.json");
+    let path = path.to_str().unwrap();
+    let plan =
+        succeed(&["plan", PAPER, "--timing", "paper", "--leg-time", "12", "-o", path, "--json"]);
+    assert_eq!(number(&plan["made_for"]["leg_time"]), 12.0);
+    let (run, said) = driven(path, &["--margin", "0"]);
+    assert_eq!(number(&run["duration"]), number(&plan["duration"]));
+    assert!(!said.contains("again"), "{said}");
+    // Another way along the same plan keeps its timing.
+    let (run, said) = driven(path, &[]);
+    assert_arrived(&run);
+    assert_eq!(number(&run["duration"]), number(&plan["duration"]));
+    assert!(said.contains("its way is planned again") && !said.contains("made again"), "{said}");
+
+    let (run, said) = driven(path, &["--margin", "0", "--timing", "limits"]);
+    assert!(number(&run["duration"]) < number(&plan["duration"]));
+    assert!(said.contains("12 s a leg; for 0.4 m/s") && said.contains("made again"), "{said}");
+}
+
 #[test]
 fn a_plan_is_not_driven_to_another_goal_than_asked_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,9 +91,9 @@ fn a_plan_is_not_driven_to_another_goal_than_asked_for() {
     let run = succeed(&["drive", plan, "--goal", "1,0.5", "--port", "sim", "--json"]);
     assert_arrived(&run);
     assert!((numbers(&run["true_pose"])[0] - 1.0).abs() < END_POSITION, "{run}");
-    let anew = succeed(&["plan", plan, "--start", "0.7,0.4", "--radius", "20cm", "--json"]);
-    assert_eq!(numbers(&anew["waypoints"][0]), [0.7, 0.4]);
-    assert_eq!(number(&anew["scene"]["robot_radius"]), 0.2);
+    let again = succeed(&["plan", plan, "--start", "0.7,0.4", "--radius", "20cm", "--json"]);
+    assert_eq!(numbers(&again["waypoints"][0]), [0.7, 0.4]);
+    assert_eq!(number(&again["scene"]["robot_radius"]), 0.2);
 }
 
 #[test]

@@ -50,9 +50,46 @@ fn no_result_is_written_over_its_input_or_another_kind_of_file() {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert_eq!(std::fs::read(&scene).unwrap(), std::fs::read(PAPER).unwrap());
     }
+    // The folder in which the inputs lie is none for results that have their names.
+    let log = folder.path().to_str().unwrap();
+    let output = wmr(&["drive", name, "--port", "sim", "--log", log]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert_eq!(std::fs::read(&scene).unwrap(), std::fs::read(PAPER).unwrap());
     // An older plan may be written over.
     let plan = folder.path().join("plan.json");
     for _ in 0..2 {
         assert!(wmr(&["plan", name, "-o", plan.to_str().unwrap()]).status.success());
+    }
+    let plan = plan.to_str().unwrap();
+    let before = std::fs::read(plan).unwrap();
+    let output = wmr(&["drive", plan, "--port", "sim", "--log", log]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert_eq!(std::fs::read(plan).unwrap(), before);
+}
+
+#[test]
+fn a_map_a_photo_and_a_scenario_are_not_written_over_by_what_is_made_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let map = write("a.map", b"type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n");
+    let photo = write("photo", &std::fs::read(PHOTO).unwrap());
+    let scenario = write("pushed.toml", include_bytes!("../../tests/scenarios/pushed.toml"));
+    let notes = write("scene.json", b"my notes");
+    let here = folder.path().to_str().unwrap();
+    for arguments in [
+        &["export", &map, "-o", &map, "--resolution", "0.5"] as &[&str],
+        &["detect", &photo, "--arena", "1.3x1.55", "--steps", here],
+        &["sim", "--scenario", &scenario, "--moment", "idle", "--out", &scenario],
+        &["plan", PAPER, "--steps", here],
+        &["calibrate", "camera", &photo, "--arena", "1.3x1.55", "--out", &photo],
+    ] {
+        let before = [&map, &photo, &scenario, &notes].map(|path| std::fs::read(path).unwrap());
+        let output = wmr(arguments);
+        let after = [&map, &photo, &scenario, &notes].map(|path| std::fs::read(path).unwrap());
+        assert!(before == after, "{arguments:?} has written over a file: {output:?}");
     }
 }

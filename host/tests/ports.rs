@@ -2,58 +2,16 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 #![cfg(unix)]
 
+mod program;
+mod simulated;
+
+use program::{assert_valid, document};
 use serde_json::Value;
+use simulated::{SHORT, Sim, behind_a_socket, distance, interrupt, wmr};
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 
 const PHOTO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.png");
-/// A drive of half a metre: long enough to be interrupted, short enough to wait for.
-const SHORT: &str = r#"{"format":"wmr-scene/1","arena":{"width":2,"height":1},"obstacles":[[0.4,0.7,0.6,1]],"start":[0.3,0.5,0],"goal":[0.8,0.5]}"#;
-
-fn wmr(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
-    command.args(arguments).env_remove("WMR_PORT");
-    command
-}
-
-fn document(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
-
-/// A running `wmr sim`, ended by Ctrl-C.
-struct Sim {
-    child: Child,
-}
-
-impl Sim {
-    /// Starts one and waits until it says that it is there; returns that line too.
-    fn start(arguments: &[&str]) -> (Self, String) {
-        let mut child = wmr(&[&["sim", "--json"], arguments].concat())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
-        assert!(line.contains("simulated robot at"), "{line}");
-        (Self { child }, line)
-    }
-
-    fn end(self) -> Value {
-        interrupt(&self.child);
-        let output = self.child.wait_with_output().unwrap();
-        assert!(output.status.success(), "{output:?}");
-        document(&output)
-    }
-}
-
-fn interrupt(child: &Child) {
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-}
-
-fn distance(pose: &Value, x: f64, y: f64) -> f64 {
-    (pose[0].as_f64().unwrap() - x).hypot(pose[1].as_f64().unwrap() - y)
-}
 
 #[test]
 fn the_demos_mission_through_a_pseudo_terminal() {
@@ -196,59 +154,7 @@ fn silent_physics_do_not_hold_the_program_that_is_interrupted() {
     interrupt(&sim);
     let output = sim.wait_with_output().unwrap();
     assert!(output.status.success(), "{output:?}");
-    assert!(document(&output)["t"].is_number(), "{output:?}");
-}
-
-/// Starts a robot behind a socket; it, and the name of its port.
-fn behind_a_socket(scene: &str) -> (Sim, String) {
-    let (sim, line) = Sim::start(&["--tcp", "127.0.0.1:0", "--scene", scene]);
-    let port = line.split_whitespace().find(|word| word.starts_with("tcp://")).unwrap();
-    let port = port.trim_end_matches(';').to_owned();
-    (sim, port)
-}
-
-#[test]
-fn a_second_program_stops_the_robot_that_the_first_one_drives() {
-    let folder = tempfile::tempdir().unwrap();
-    let (scene, link) = (folder.path().join("scene.json"), folder.path().join("robot"));
-    std::fs::write(&scene, SHORT).unwrap();
-    let (scene, link) = (scene.to_str().unwrap(), link.to_str().unwrap());
-    let state = folder.path().join("state");
-    for by_socket in [true, false] {
-        let (sim, port) = if by_socket {
-            behind_a_socket(scene)
-        } else {
-            (Sim::start(&["--pty", link, "--scene", scene]).0, link.to_owned())
-        };
-        let run = |words: &[&str]| {
-            let mut command = wmr(words);
-            command.args(["--port", &port, "--json"]).env("XDG_STATE_HOME", &state);
-            command
-        };
-        let mut drive = run(&["drive", scene]);
-        let mut drive = drive.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let mut line = String::new();
-        BufReader::new(drive.stderr.take().unwrap()).read_line(&mut line).unwrap();
-        assert!(line.contains("robot: "), "{line}");
-        // It has opened its socket a moment after it has greeted the robot.
-        while !std::fs::read_dir(state.join("wmr")).is_ok_and(|mut files| {
-            files.any(|file| file.unwrap().path().extension().is_some_and(|end| end == "sock"))
-        }) {
-            assert!(drive.try_wait().unwrap().is_none(), "it still drives");
-        }
-        let busy = run(&["info"]).output().unwrap();
-        assert_eq!(document(&busy)["error"]["code"], "port.busy", "{busy:?}");
-        assert_eq!(busy.status.code(), Some(5));
-        let stopped = run(&["stop"]).output().unwrap();
-        assert_eq!(stopped.status.code(), Some(0), "{stopped:?}");
-        assert_eq!(document(&stopped)["state"], "stopped");
-        let driven = drive.wait_with_output().unwrap();
-        assert_eq!(driven.status.code(), Some(7), "{driven:?}");
-        assert_eq!(document(&driven)["error"]["code"], "robot.stopped");
-        let again = run(&["stop"]).output().unwrap();
-        assert_eq!(document(&again)["state"], "stopped", "nobody drives it now: {again:?}");
-        assert!(distance(&sim.end()["true_pose"], 0.8, 0.5) > 0.05);
-    }
+    assert_valid("sim-lockstep", &document(&output));
 }
 
 #[test]
@@ -298,10 +204,11 @@ fn a_robot_is_checked_by_whoever_looks_at_it() {
     // The simulated base is wired as drawn; whoever says otherwise gets what follows from it.
     let found = check("\nlf\n\nwhat\nrf\n\n");
     assert_eq!(found.status.code(), Some(0), "{found:?}");
+    assert_valid("check-base", &document(&found));
     let wiring = document(&found)["wiring"].clone();
     assert_eq!(wiring["motor_reversed"], serde_json::json!([false, false]), "{wiring}");
     assert_eq!(wiring["motors_swapped"], false);
-    assert!(String::from_utf8_lossy(&found.stderr).contains("is none of them"));
+    assert!(String::from_utf8_lossy(&found.stderr).contains("is not one of them"));
     let numbers = document(&wmr(&["params", "--port", link, "--json"]).output().unwrap());
     assert_eq!(numbers["parameters"]["wiring-checked"], 1.0, "{numbers}");
     let mirrored = check("\nlf\n\nrb\n\n");

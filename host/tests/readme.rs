@@ -3,96 +3,22 @@
 //! `UPDATE_GOLDEN=1 cargo test -p wmr --test readme` rewrites it.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod told;
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+use std::path::{Path, PathBuf};
+use told::{ROOT, clone, run, run_all};
+
 /// What stands before the demo's output.
 const OUTPUT: &str = "It prints:\n\n```text\n";
 
-/// Commands that a test cannot run as they stand, and why.
-const NOT_RUN: [(&str, &str); 6] = [
-    ("tests/run", "it runs this test"),
-    ("wmr serve", "it serves until Ctrl-C; tests/page/run does so"),
-    ("wmr demo --page", "the same"),
-    ("firmware/build && ", "tests/run builds the firmware; figures take longer than a test should"),
-    ("cargo run --release -p wmr-tests --example ", "figures take longer than a test should"),
-    ("cargo run --release --manifest-path tests/planner_bench/", "it builds other planners"),
-];
-
-/// Commands that need something nobody has in a fresh clone: they must be understood, and fail only
-/// for want of that, with this exit code and error: pictures by the reader's own camera, and a drive
-/// that was cut short.
-const LACKING: [(&str, i32, &str); 5] = [
-    ("wmr calibrate camera ", 3, "error[file.read]"),
-    ("wmr plan photo.jpg ", 3, "error[file.read]"),
-    ("wmr detect photo3.jpg ", 3, "error[file.read]"),
-    ("wmr detect a2.jpg ", 3, "error[file.read]"),
-    (" --resume", 2, "error[resume.nothing]"),
-];
-
-/// Commands for a robot on USB: with these words another, the simulated robot does.
-const ON_USB: [&str; 3] = ["--port auto", "wmr params ", "wmr calibrate base "];
-
 fn readme() -> String {
-    std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap()
-}
-
-/// The commands of all console blocks, without their comments.
-fn commands(text: &str) -> Vec<String> {
-    let blocks = text.split("```console\n").skip(1).map(|rest| rest.split("```").next().unwrap());
-    let lines = blocks.flat_map(str::lines).map(|line| line.split(" #").next().unwrap().trim());
-    lines.filter(|line| !line.is_empty()).map(str::to_owned).collect()
-}
-
-/// A folder in which the README's paths lead where they should, and nothing of the user's is changed.
-fn clone() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::create_dir_all(folder.path().join("host/assets")).unwrap();
-    for entry in std::fs::read_dir(Path::new(ROOT).join("host/assets")).unwrap() {
-        let entry = entry.unwrap();
-        let copy = folder.path().join("host/assets").join(entry.file_name());
-        std::fs::copy(entry.path(), copy).unwrap();
-    }
-    folder
-}
-
-fn run(folder: &Path, command: &str) -> Output {
-    let arguments: Vec<_> = command.split_whitespace().skip(1).collect();
-    Command::new(env!("CARGO_BIN_EXE_wmr"))
-        .args(&arguments)
-        .current_dir(folder)
-        .env_remove("WMR_PORT")
-        .env("XDG_STATE_HOME", folder.join("state"))
-        .output()
-        .unwrap()
+    told::read("README.md")
 }
 
 #[test]
 fn every_command_does_what_the_readme_says() {
     let folder = clone();
-    let mut run_count = 0;
-    for command in commands(&readme()) {
-        if NOT_RUN.iter().any(|(start, _)| command.starts_with(start)) {
-            continue;
-        }
-        let mut command = command.replace("cargo run --release -- ", "wmr ");
-        assert!(command.starts_with("wmr "), "unknown to this test: {command}");
-        if ON_USB.iter().any(|words| command.contains(words)) {
-            command = command.replace("--port auto", "--port sim");
-            if !command.contains("--port") {
-                command.push_str(" --port sim");
-            }
-        }
-        let lacking = LACKING.iter().find(|lacking| command.contains(lacking.0));
-        let output = run(folder.path(), &command);
-        let code = lacking.map_or(0, |lacking| lacking.1);
-        assert_eq!(output.status.code(), Some(code), "{command}\n{output:?}");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(said.contains(lacking.map_or("", |lacking| lacking.2)), "{command}\n{said}");
-        run_count += 1;
-    }
-    assert!(run_count >= 10, "only {run_count} commands were found");
+    assert!(run_all(folder.path(), &readme()) >= 10);
 }
 
 #[test]

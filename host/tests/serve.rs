@@ -140,9 +140,45 @@ fn what_makes_no_sense_is_refused_with_a_reason() {
 }
 
 #[test]
-fn the_demo_opens_its_photo_and_programs_are_told_where_the_page_is() {
+fn a_job_that_is_given_up_answers_at_once_and_leaves_the_desk_as_it_was() {
+    let server = Server::start();
+    server.done("photo", &json!({"sample": "demo"}));
+    assert_eq!(server.done("cancel", &json!({}))["cancelled"], false);
+    // Large enough that it is still being read when it is given up.
+    let mut picture = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut picture);
+    let grey = image::ExtendedColorType::L8;
+    let pixels = vec![200; 8000 * 5000];
+    image::ImageEncoder::write_image(encoder, &pixels, 8000, 5000, grey).unwrap();
+    std::thread::scope(|scope| {
+        let upload = scope.spawn(|| server.send("/api/photo", "image/png", &picture));
+        while server.done("cancel", &json!({}))["cancelled"] == false {
+            assert!(!upload.is_finished(), "it was read before it could be given up");
+        }
+        let (status, document) = upload.join().unwrap();
+        assert_eq!((status, &document["error"]["code"]), (409, &json!("http.cancelled")));
+    });
+    let state = server.state();
+    assert_eq!((&state["photo"]["width"], &state["revision"]["photo"]), (&json!(640), &json!(1)));
+    // The next one has its turn when the step that was under way is done.
+    let detected = std::iter::repeat_with(|| server.post("detect", &json!({})));
+    let (status, document) = detected.into_iter().find(|(status, _)| *status != 429).unwrap();
+    assert_eq!((status, document["obstacles"].as_array().unwrap().len()), (200, 8));
+}
+
+#[test]
+fn the_demo_opens_its_mission_and_programs_are_told_where_the_page_is() {
     let server = Server::start_with(&["demo", "--page"]);
-    assert_eq!(server.state()["photo"], json!({"width": 640, "height": 480, "type": "image/png"}));
+    let state = server.state();
+    assert_eq!(
+        state["photo"],
+        json!({"width": 640, "height": 480, "type": "image/png", "note": null})
+    );
+    assert_eq!(state["scene"]["obstacles"].as_array().unwrap().len(), 8);
+    assert_eq!(
+        (&state["plan"]["planner"], &state["run"]["active"]),
+        (&json!("grid"), &json!(false))
+    );
     let mut process = program(&["serve", "--addr", "127.0.0.1:0", "--no-open", "--json"]);
     let mut line = String::new();
     BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();

@@ -202,7 +202,7 @@ fn what_is_held_moves_and_what_nobody_says_is_held_stops() {
 
     assert_eq!(ask("left", true).0, 200);
     server.done("stop", &json!({}));
-    assert_eq!(ask("left", false).1["held"], false, "a stop begins anew only with a new press");
+    assert_eq!(ask("left", false).1["held"], false, "a stop starts again only with a new press");
     let state = server.when("at rest", is_at_rest);
     assert_eq!(state["base"]["state"], "stopped");
 }

@@ -1,4 +1,4 @@
-//! `PROTOCOL.md` says what the types say: its tables are drawn anew from them and compared.
+//! `PROTOCOL.md` says what the types say: its tables are drawn again from them and compared.
 //!
 //! `UPDATE_GOLDEN=1 cargo test -p wmr-protocol --test document` rewrites them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what helps a test fails as a test does")]

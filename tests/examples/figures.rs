@@ -11,7 +11,7 @@ use wmr_tests::figures::{self, Figure, Size};
 type Measure = fn(Size) -> Vec<Figure>;
 
 /// Name, title and measurement of each table.
-const TABLES: [(&str, &str, Measure); 9] = [
+const TABLES: [(&str, &str, Measure); 10] = [
     ("accuracy", "Ideal wheels and single precision", figures::accuracy::measure),
     ("headings", "All headings", figures::headings::measure),
     ("time", "Time against bang-bang", figures::time::measure),
@@ -20,6 +20,7 @@ const TABLES: [(&str, &str, Measure); 9] = [
     ("pause", "Pause and stop", figures::pause::measure),
     ("stall", "Stall, encoders and false alarms", figures::stall::measure),
     ("calibration", "Calibration of the base", figures::calibration::measure),
+    ("scrub", "Calibration of a base that scrubs", figures::scrub::measure),
     ("limits", "Limits of speed and acceleration", figures::limits::measure),
 ];
 

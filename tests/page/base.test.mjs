@@ -47,7 +47,7 @@ onPage('the robot moves while a button is held, and stops when it is let go', as
   assert.ok(Math.hypot(turned.pose[0] - base.pose[0], turned.pose[1] - base.pose[1]) < 0.01, 'on the spot');
 });
 
-onPage('a page that can no longer say that a button is held lets it go, and STOP does not begin anew', async (page) => {
+onPage('a page that can no longer say that a button is held lets it go, and STOP does not start again', async (page) => {
   await toBase(page);
   await press(page, 'ahead');
   await until(page, () => window.wmr.state.base.pose[0] > 0.05);

@@ -1,14 +1,16 @@
 // A program, a browser and a page for each test, and how to point at the floor.
 
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
+import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-export const PROGRAM = process.env.WMR_PROGRAM ?? `${root}target/debug/wmr`;
+export const PROGRAM = resolve(process.env.WMR_PROGRAM ?? `${root}target/debug/wmr`);
 /** The firmware as firmware/build leaves it. */
 export const ELF = `${root}target/firmware/pico.elf`;
 const shots = `${root}target/page/`;
@@ -32,9 +34,12 @@ export const SAMPLE = {
 };
 
 /** Starts `wmr serve` with a simulated robot, at a free address or at `address`. */
-export async function serve({ speed = 5, address = '127.0.0.1:0', port = 'sim' } = {}) {
+export async function serve({ speed = 5, address = '127.0.0.1:0', port = 'sim', demo = false } = {}) {
   const log = mkdtempSync(`${tmpdir()}/wmr-page-`);
-  const child = spawn(PROGRAM, ['serve', '--addr', address, '--no-open', '--port', port, '--sim-speed', String(speed), '--log', log]);
+  const own = ['serve', '--addr', address, '--no-open', '--port', port, '--sim-speed', String(speed), '--log', log];
+  // No desktop: nothing is to be opened on the computer of whoever runs the tests.
+  const env = { ...process.env, DISPLAY: undefined, WAYLAND_DISPLAY: undefined };
+  const child = spawn(PROGRAM, demo ? ['demo', '--page'] : own, { cwd: log, env });
   const ended = once(child, 'exit');
   let text = '';
   const url = await new Promise((resolve, reject) => {
@@ -86,14 +91,16 @@ export const readmeShot = (page) => page.screenshot({ path: `${shots}readme.jpg`
 /** What the page shows. */
 export const state = (page) => page.evaluate(() => structuredClone({ ...window.wmr.state }));
 
-/** Waits for a condition; says what the page shows if it never holds. */
+/** Waits for a condition, a function; says what the page shows if it never holds. */
 export async function until(page, condition, argument) {
+  // The page forbids text to be run, and a text that is looked at twice would be.
+  assert.equal(typeof condition, 'function');
   try {
     await page.waitForFunction(condition, argument, { timeout: 20_000 });
   } catch (error) {
     const { step, start, goal, plan, planProblem, problem, base, drive, working, scene } = await state(page);
     const shown = { step, start, goal, length: plan?.length, planProblem, problem, base, drive, working, obstacles: scene?.obstacles };
-    throw new Error(`never: ${condition}\n${JSON.stringify(shown)}`, { cause: error });
+    throw new Error(`never: ${condition}\n${error.message}\n${JSON.stringify(shown)}`, { cause: error });
   }
 }
 

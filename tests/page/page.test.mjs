@@ -1,6 +1,7 @@
 // What a person does on the page, in a browser, with the real program behind it.
 
 import assert from 'node:assert/strict';
+import { request } from 'node:http';
 import { test } from 'node:test';
 import { onPage, the } from './suite.mjs';
 import {
@@ -35,6 +36,10 @@ onPage('the sample is outlined as it was drawn, planned and driven, in four clic
   await shot(page, '3-plan');
   await page.click('#drive-now');
   await until(page, () => window.wmr.state.drive.leg >= 4);
+  // Where the plan wants it: a robot that slips nowhere is there, but for the time that words take.
+  const { drive, base } = await state(page);
+  assert.ok(Math.hypot(drive.reference[0] - base.pose[0], drive.reference[1] - base.pose[1]) < 0.03, `${drive.reference} ${base.pose}`);
+  await page.waitForSelector('#reference');
   const [trail, path] = await Promise.all(['.trail', '#path'].map((name) => page.locator(name).evaluate(({ points: [{ x, y }] }) => [x, y])));
   assert.ok(Math.hypot(trail[0] - path[0], trail[1] - path[1]) < 3, 'the trail begins where the path does');
   await shot(page, '4-drive');
@@ -74,6 +79,34 @@ onPage('STOP stops from a field, by key and by click, and the robot drives again
   }
 });
 
+onPage('STOP is heard within 0.3 s of the robot from any focus, and while a photo is on its way', async (page) => {
+  await openSample(page);
+  const get = async (what) => fetch(`http://${the.server.host}/api/${what}?t=${the.server.token}`);
+  // A photo that never comes to its end.
+  const upload = request({
+    host: '127.0.0.1', port: the.server.host.split(':')[1], method: 'POST', path: '/api/photo',
+    headers: { 'content-type': 'image/png', 'content-length': 1e6, authorization: `Bearer ${the.server.token}` },
+  });
+  upload.on('error', () => null);
+  upload.write(Buffer.alloc(1000));
+  for (const focus of ['#goal-x', '#planner', '#preview', '[data-steps]']) {
+    await page.click('[data-step=boxes]');
+    await planTo(page);
+    await until(page, () => !document.getElementById('drive-now').disabled);
+    await page.click('#drive-now');
+    await until(page, () => window.wmr.state.drive.active && window.wmr.state.drive.time > 0.4);
+    await page.click('[data-step=plan]');
+    await page.locator(`[data-panel=plan] ${focus}`).focus();
+    const { drive } = await (await get('state')).json();
+    await page.keyboard.press('Escape');
+    await until(page, () => window.wmr.state.base.state === 'stopped' && !window.wmr.state.drive.active);
+    const words = (await (await get('run.jsonl')).text()).trim().split('\n').map((line) => JSON.parse(line));
+    const heard = words.findLast(({ state: name }) => name === 'driving').t;
+    assert.ok(heard - drive.time < 0.3, `${focus}: after ${heard - drive.time} s`);
+  }
+  upload.destroy();
+}, { speed: 0.5 });
+
 onPage('a box added by hand is planned around, and no longer when it is erased', async (page) => {
   await openSample(page);
   await planTo(page);
@@ -104,7 +137,7 @@ onPage('a box added by hand is planned around, and no longer when it is erased',
   await until(page, () => window.wmr.state.scene.obstacles.length === 9);
 });
 
-onPage('an edge that is dragged moves, and every step is planned anew', async (page) => {
+onPage('an edge that is dragged moves, and every step is planned again', async (page) => {
   await openSample(page);
   await planTo(page);
   await until(page, () => window.wmr.state.plan);
@@ -120,8 +153,10 @@ onPage('an edge that is dragged moves, and every step is planned anew', async (p
   assert.ok(Math.abs(after.scene.obstacles[index][3] - (y1 - 0.04)) < 0.006, `${after.scene.obstacles[index]}`);
   assert.ok(Math.abs(after.scene.obstacles[index][0] - x0) < 1e-3, 'the other edges stay');
   assert.deepEqual(after.margins[index], [0, 0, 0, 0], 'a person is sure');
-  const planned = ({ plan, scene }, at) => plan?.scene.obstacles[at][3] === scene.obstacles[at][3];
-  await until(page, `(${planned})(window.wmr.state, ${index})`);
+  await until(page, (at) => {
+    const { plan, scene } = window.wmr.state;
+    return plan?.scene.obstacles[at][3] === scene.obstacles[at][3];
+  }, index);
 });
 
 onPage('a scene with shapes is shown, and a goal that cannot be reached names the gap', async (page) => {
@@ -297,6 +332,22 @@ test('two pages show one state, and the robot pauses when the last is closed', a
   await third.click('#pause');
   await third.waitForSelector('#result');
   assert.equal((await state(third)).run.report.reached, true);
+});
+
+test('a robot that is told to drives on when the last page is closed', async () => {
+  const page = await open(the.server);
+  await openSample(page);
+  await planTo(page);
+  await until(page, () => !document.getElementById('drive-now').disabled);
+  await page.click('[data-step=drive]');
+  await page.check('#unattended');
+  await page.click('#drive');
+  await until(page, () => window.wmr.state.base.state === 'driving');
+  await page.context().close();
+  const live = async () => (await fetch(`http://${the.server.host}/api/state`)).json();
+  let now;
+  do now = await live(); while (now.drive.active && now.base.state !== 'paused');
+  assert.equal(now.run.report?.reached, true, now.base.state);
 });
 
 test('other origins, other names and strangers are refused', async () => {

@@ -82,7 +82,7 @@ impl Stack {
         self.next = Some(0);
     }
 
-    /// A host that starts anew, behind the same wires.
+    /// A host that starts again, behind the same wires.
     fn reconnect(&mut self, resume: bool) {
         self.number += 1;
         let nowhere = wired(Faults::default(), Pace::default(), 0);

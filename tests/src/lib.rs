@@ -10,6 +10,7 @@ pub mod damage;
 pub mod elf_file;
 pub mod elf_resets;
 pub mod figures;
+pub mod frame_sequence;
 pub mod fuzzing;
 pub mod fuzzing_host;
 pub mod fuzzing_vision;
@@ -22,8 +23,10 @@ pub mod occupied;
 #[cfg(unix)]
 pub mod replug;
 pub mod scenarios;
+pub mod spun;
 pub mod vehicles;
 pub mod vision_scores;
+pub mod watched;
 
 use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
 use hil_sim::in_process::InProcess;

@@ -118,7 +118,10 @@ fn drive_plan(client: &mut Client, legs: Vec<Leg>, tally: &mut Tally) -> Result<
                     tally.lost += seen.iter().filter(|seen| !**seen).count() as u32;
                     return Ok(());
                 }
-                MissionEvent::Connected(_) | MissionEvent::Accepted { .. } => progress = now,
+                MissionEvent::Connected(_)
+                | MissionEvent::Accepted { .. }
+                | MissionEvent::Replaced { .. } => progress = now,
+                MissionEvent::NotReplaced(_) | MissionEvent::PoseRefused(_) => {}
             }
         }
         if now - progress > STUCK {

@@ -1,7 +1,9 @@
-//! How well found rectangles agree with true ones: exact areas of unions, boxes missed and invented, true area left
-//! uncovered. Metres in the arena frame. Written apart from vision's own geometry, which it judges.
+//! How well what was found agrees with true boxes: exact areas of unions of rectangles, boxes missed and invented, true
+//! area left uncovered. What is no upright rectangle is judged as strips of one. Metres in the arena frame. Written
+//! apart from vision's own geometry, which it judges.
 
-use wmr::geometry::{Arena, Rect};
+use wmr::geometry::{Arena, Point, Rect};
+use wmr::shape::Shape;
 
 /// A true box of which less than this share is covered is missed.
 const COVERED_SHARE: f64 = 0.5;
@@ -11,6 +13,42 @@ const TRUE_SHARE: f64 = 0.25;
 const SAME_BOX: f64 = 0.3;
 /// The greatest distance between the points of a true box that are looked up, metres.
 const STEP: f64 = 0.005;
+
+/// The height of the strips that stand for a shape, metres.
+const STRIP: f64 = 0.0025;
+
+/// Upright rectangles that together are a shape: itself, or strips as wide as it is half-way up each.
+pub fn strips(shape: &Shape) -> Vec<Rect> {
+    let Rect { y0: low, y1: high, .. } = shape.bounds();
+    let spans = |y: f64| -> Vec<f64> {
+        match shape {
+            Shape::Rect(rect) => vec![rect.x0, rect.x1],
+            Shape::Circle(circle) => {
+                let half = (circle.radius.powi(2) - (y - circle.centre.y).powi(2)).max(0.0).sqrt();
+                vec![circle.centre.x - half, circle.centre.x + half]
+            }
+            Shape::Polygon(polygon) => {
+                let crossing = |(a, b): (Point, Point)| {
+                    ((a.y > y) != (b.y > y)).then(|| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x))
+                };
+                let mut ends: Vec<f64> = polygon.edges().filter_map(crossing).collect();
+                ends.sort_by(f64::total_cmp);
+                ends
+            }
+        }
+    };
+    let count = match shape {
+        Shape::Rect(_) => 1.0,
+        _ => ((high - low) / STRIP).ceil().max(1.0),
+    };
+    let step = (high - low) / count;
+    let row = |index: usize| {
+        let y0 = low + step * index as f64;
+        let rect = |ends: &[f64]| Rect { x0: ends[0], y0, x1: ends[1], y1: y0 + step };
+        spans(y0 + step / 2.0).chunks_exact(2).map(rect).collect::<Vec<_>>()
+    };
+    (0..count as usize).flat_map(row).collect()
+}
 
 fn area(rect: Rect) -> f64 {
     (rect.x1 - rect.x0).max(0.0) * (rect.y1 - rect.y0).max(0.0)
@@ -69,9 +107,10 @@ pub fn missed(truth: &[Rect], found: &[Rect]) -> usize {
     truth.iter().filter(|&&rect| share_on(rect, found) < COVERED_SHARE).count()
 }
 
-/// The number of found rectangles of which less than a quarter lies on true boxes.
-pub fn invented(truth: &[Rect], found: &[Rect]) -> usize {
-    found.iter().filter(|&&rect| share_on(rect, truth) < TRUE_SHARE).count()
+/// The number of found things, each the rectangles that make it, of which less than a quarter lies on true boxes.
+pub fn invented(truth: &[Rect], found: &[Vec<Rect>]) -> usize {
+    let is_invented = |thing: &&Vec<Rect>| areas(thing, truth).0 < TRUE_SHARE * areas(thing, &[]).1;
+    found.iter().filter(is_invented).count()
 }
 
 /// The greatest distance of a point of a true box from everything found, metres: 0 without true boxes, infinite
@@ -92,10 +131,10 @@ pub fn uncovered(truth: &[Rect], found: &[Rect]) -> f64 {
     points.map(|(x, y)| distance(x, y)).fold(0.0, f64::max)
 }
 
-/// For each true box the index of the found rectangle that overlaps it most, if one is of the same box.
-pub fn partners(truth: &[Rect], found: &[Rect]) -> Vec<Option<usize>> {
+/// For each true box the index of the found thing that overlaps it most, if one is of the same box.
+pub fn partners(truth: &[Rect], found: &[Vec<Rect>]) -> Vec<Option<usize>> {
     let best = |&rect: &Rect| {
-        let overlaps = found.iter().map(|&other| overlap(&[rect], &[other])).enumerate();
+        let overlaps = found.iter().map(|thing| overlap(&[rect], thing)).enumerate();
         let best = overlaps.max_by(|a, b| a.1.total_cmp(&b.1));
         best.filter(|&(_, overlap)| overlap >= SAME_BOX).map(|(index, _)| index)
     };
@@ -138,8 +177,8 @@ mod tests {
         let found = [rect(0.0, 0.0, 0.3, 1.0), rect(0.2, 0.0, 0.5, 1.0)];
         assert_eq!(missed(&truth, &found), 0);
         assert_eq!(missed(&truth, &[found[0], rect(0.2, 0.0, 0.49, 1.0)]), 1);
-        assert_eq!(invented(&truth, &[rect(0.75, 0.0, 1.75, 1.0)]), 0);
-        assert_eq!(invented(&truth, &[rect(0.76, 0.0, 1.76, 1.0)]), 1);
+        assert_eq!(invented(&truth, &[vec![rect(0.75, 0.0, 1.75, 1.0)]]), 0);
+        assert_eq!(invented(&truth, &[vec![rect(0.76, 0.0, 1.76, 1.0)]]), 1);
     }
 
     /// The far corner sticks out by 3 and 4: 5 metres.
@@ -160,6 +199,26 @@ mod tests {
     fn a_partner_overlaps_most_and_enough() {
         let truth = [rect(0.0, 0.0, 1.0, 1.0), rect(5.0, 0.0, 6.0, 1.0)];
         let found = [rect(0.0, 0.0, 1.0, 0.4), rect(0.0, 0.0, 1.0, 0.5), rect(5.9, 0.0, 6.9, 1.0)];
-        assert_eq!(partners(&truth, &found), [Some(1), None]);
+        assert_eq!(partners(&truth, &found.map(|rect| vec![rect])), [Some(1), None]);
+    }
+
+    /// A disc of radius 1 has area pi; a triangle of sides 3, 4, 5 has 6; an arrow of 4 by 2 less a notch of 4 by 1 / 2
+    /// has 6.
+    #[test]
+    fn strips_have_the_area_of_their_shape() {
+        let polygon = |corners: &[[f64; 2]]| {
+            let corners = corners.iter().map(|&corner| corner.into()).collect();
+            Shape::Polygon(wmr::shape::Polygon::new(corners).unwrap())
+        };
+        let disc = wmr::shape::Circle { centre: Point::new(1.0, 2.0), radius: 1.0 };
+        for (shape, known) in [
+            (Shape::Rect(rect(0.0, 1.0, 2.0, 4.0)), 6.0),
+            (Shape::Circle(disc), std::f64::consts::PI),
+            (polygon(&[[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]]), 6.0),
+            (polygon(&[[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]]), 6.0),
+        ] {
+            let sum: f64 = strips(&shape).into_iter().map(area).sum();
+            assert!((sum - known).abs() < 1e-4, "{sum} {known}");
+        }
     }
 }

@@ -3,62 +3,41 @@
 //! An end that a robot reports is judged by the truth: an arrival is `reached` only if the robot really
 //! stands there, and any end is `moving` if it still moves two seconds later.
 
-use hil_sim::scenario::{self, Camera, Scenario};
+use hil_sim::scenario::{self, Camera, Scenario, Watch};
 use hil_sim::simulation::{Firmware, Simulation, Truth};
+use hil_sim::world::World;
 use protocol::motion::{Limits, Pose};
 use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use wmr::geometry::Point;
-use wmr::link::drive::TimedPort;
+use wmr::legs::to_wire;
 use wmr::link::rehearsal::{Director, Moment, Sight, Task, rehearse};
-
-/// A simulation as a port with its own clock.
-#[derive(Debug)]
-pub struct Stage<B>(pub Simulation<B>);
-
-impl<B> Read for Stage<B> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.read(buffer)
-    }
-}
-
-impl<B> Write for Stage<B> {
-    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.0.write(buffer)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl<B: Firmware> TimedPort for Stage<B> {
-    fn now(&self) -> Duration {
-        self.0.now()
-    }
-
-    fn wait(&mut self, duration: Duration) -> io::Result<()> {
-        self.0.wait(duration)
-    }
-}
+use wmr::simulated::Onlooker;
 
 struct Troublemaker<'a> {
     scenario: &'a Scenario,
     camera: Camera,
+    onlooker: Onlooker,
 }
 
-impl<B: Firmware> Director<Stage<B>> for Troublemaker<'_> {
-    fn disturb(&mut self, stage: &mut Stage<B>) -> io::Result<()> {
-        stage.0.run_script(self.scenario.script.clone());
+impl<B: Firmware> Director<Simulation<B>> for Troublemaker<'_> {
+    fn disturb(&mut self, simulation: &mut Simulation<B>) -> io::Result<()> {
+        simulation.run_script(self.scenario.script.clone());
         Ok(())
     }
 
-    fn look(&mut self, stage: &Stage<B>) -> Option<Pose> {
-        let [x, y, heading] = self.camera.sees(stage.0.truth().pose)?;
-        Some(Pose::new(x as f32, y as f32, heading as f32))
+    fn look(&mut self, simulation: &mut Simulation<B>) -> Option<(Duration, Pose)> {
+        if self.scenario.watch == Watch::Pictures {
+            let frame = std::iter::from_fn(|| simulation.take_frame()).last()?;
+            let camera = simulation.camera_mut()?.camera();
+            let robot = self.onlooker.look(&frame, camera)?;
+            return Some((frame.exposed, to_wire(robot)));
+        }
+        let [x, y, heading] = self.camera.sees(simulation.truth().pose)?;
+        Some((simulation.now(), Pose::new(x as f32, y as f32, heading as f32)))
     }
 }
 
@@ -87,9 +66,10 @@ pub fn run<B: Firmware>(
         goal_heading: scenario.goal_heading,
         limits,
     };
-    let mut director = Troublemaker { scenario, camera: Camera::of(scenario) };
-    let (stage, ending) = rehearse(Stage(simulation), &task, in_words(moment), &mut director);
-    let mut simulation = stage.0;
+    let World { size, robot_radius, .. } = scenario.world;
+    let onlooker = Onlooker::new(size, robot_radius);
+    let mut director = Troublemaker { scenario, camera: Camera::of(scenario), onlooker };
+    let (mut simulation, ending) = rehearse(simulation, &task, in_words(moment), &mut director);
     let duration = simulation.now();
     let moves = scenario::still_moves(&mut simulation).unwrap();
     let truth = simulation.truth();

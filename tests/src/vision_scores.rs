@@ -8,7 +8,7 @@
 //! ```
 
 use crate::figures::Figure;
-use crate::occupied::{inside, invented, missed, overlap, partners, uncovered};
+use crate::occupied::{inside, invented, missed, overlap, partners, strips, uncovered};
 use serde_json::Value;
 use std::path::PathBuf;
 use wmr::geometry::{Arena, Pose, Rect};
@@ -32,18 +32,21 @@ const MEASURES: [(&str, &str, f64); 8] = [
 /// no robot, one camera.
 type Scores = [f64; MEASURES.len()];
 
+///
+/// In hard light the outline of a small box with a rest of its shadow passes for a shape of its own
+/// (L3_d03_robot, L3_d04_robot): the price of turned boxes and cut card that are taken as they are.
 const TODAY: [(&str, Scores); 12] = [
     ("L1_d07_robot", [0.023, 0.0, 0.0, 0.0, 0.252, 1.259, 0.283, 0.0]),
-    ("L2_d04_robot", [0.103, 0.0, 0.0, 8.293, 0.222, 2.469, 3.506, 0.0]),
+    ("L2_d04_robot", [0.103, 0.0, 0.0, 8.293, 0.222, 4.436, 0.420, 0.0]),
     ("L2_d05", [0.134, 0.0, 1.0, 3.115, 0.126, 0.0, 0.0, 0.0]),
-    ("L2_d07_robot", [0.0, 0.0, 0.0, 0.0, 0.112, 13.864, 0.05, 0.0]),
+    ("L2_d07_robot", [0.0, 0.0, 0.0, 0.0, 0.112, 3.299, 0.209, 0.0]),
     ("two_lamps", [0.59, 1.0, 18.0, 83.517, 0.239, 0.0, 0.0, 0.0]),
     ("L3_d01", [0.306, 0.0, 1.0, 20.355, 2.118, 0.0, 0.0, 0.0]),
     ("L3_d02_robot", [0.314, 1.0, 4.0, 122.709, 0.225, UNSEEN, UNSEEN, 0.0]),
-    ("L3_d03_robot", [0.382, 1.0, 0.0, 403.137, 1.353, 10.977, 0.787, 0.0]),
-    ("L3_d04_robot", [0.212, 0.0, 0.0, 0.0, 0.199, 3.56, 2.807, 0.0]),
+    ("L3_d03_robot", [0.242, 0.0, 2.0, 8.006, 1.179, 9.791, 2.221, 0.0]),
+    ("L3_d04_robot", [0.213, 0.0, 0.0, 4.191, 0.199, 8.117, 0.430, 0.0]),
     ("L3_d05", [0.0, 0.0, 0.0, 0.0, 5.226, 0.0, 0.0, 0.0]),
-    ("L3_d06_robot", [0.178, 1.0, 0.0, 338.568, 0.134, 0.295, 0.275, 0.0]),
+    ("L3_d06_robot", [0.178, 1.0, 0.0, 343.591, 0.134, 0.295, 0.275, 0.0]),
     ("stereo_d02", [0.099, 1.0, 1.0, 268.891, 0.0, 4.188, 0.042, 20.702]),
 ];
 
@@ -122,24 +125,29 @@ impl Scene {
         });
         let apart =
             seen.corners_px.iter().zip(corners).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-        // All boxes of these scenes are upright: any other shape is a fault.
-        let upright =
-            |of: &Obstacle| of.footprint.as_rect().expect("a box of these scenes is upright");
-        let rects: Vec<Rect> = seen.obstacles.iter().map(upright).collect();
-        let found = inside(&rects, arena);
-        let widened =
-            seen.obstacles.iter().zip(&rects).map(|(obstacle, rect)| rect.widened(obstacle.margin));
+        let things: Vec<Vec<Rect>> =
+            seen.obstacles.iter().map(|of| inside(&strips(&of.footprint), arena)).collect();
+        let on_arena: Vec<Vec<Rect>> =
+            things.iter().filter(|thing| !thing.is_empty()).cloned().collect();
+        let found = on_arena.concat();
+        let widened = |of: &Obstacle| {
+            strips(&of.footprint)
+                .into_iter()
+                .map(|rect| rect.widened(of.margin))
+                .collect::<Vec<_>>()
+        };
+        let covered: Vec<Rect> = seen.obstacles.iter().flat_map(widened).collect();
         let [place, turn] = self.robot_error(seen.robot);
         [
             1.0 - overlap(&truth, &found),
             missed(&truth, &found) as f64,
-            invented(&truth, &found) as f64,
-            1000.0 * uncovered(&truth, &inside(&widened.collect::<Vec<_>>(), arena)),
+            invented(&truth, &on_arena) as f64,
+            1000.0 * uncovered(&truth, &inside(&covered, arena)),
             apart.fold(0.0, f64::max),
             place,
             turn,
             {
-                let pairs = partners(&truth, &rects).into_iter().zip(true_heights);
+                let pairs = partners(&truth, &things).into_iter().zip(true_heights);
                 let off = pairs
                     .filter_map(|(at, height)| Some((seen.obstacles[at?].height? - height).abs()));
                 1000.0 * off.fold(0.0, f64::max)

@@ -91,6 +91,11 @@ impl Robot {
         }
     }
 
+    /// The same with a clock that has run for so many ticks, as it has on a robot that is never switched off.
+    pub fn aged(self, ticks: u32) -> Self {
+        Self { ticks, ..self }
+    }
+
     /// Takes the parameters that the flash holds in its two slots, if there are any; to be called
     /// before the first tick.
     pub fn restore(&mut self, slots: [&[u8]; 2]) {

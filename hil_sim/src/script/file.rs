@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [[fault]]
-//! kind = "loss"          # one of KINDS
+//! kind = "loss"          # every_kind.toml has one of each
 //! share = 0.5            # what the kind needs
 //! at = 2.0               # or: place = [x, y, radius], or: event = "turn", nth = 2
 //! after = 0.1            # so long after that
@@ -11,6 +11,8 @@
 
 use super::{Event, Fault, Script, Scripted, Trigger, Wheels, WireFault};
 use crate::base::{EncoderFault, TruePose};
+use crate::camera::CameraFaults;
+use crate::motion::{Motion, Mover};
 use crate::toml_file::{FileError, Section, must_be, parse};
 use crate::wire::{Faults, Pace};
 use crate::world::Shape;
@@ -18,6 +20,8 @@ use std::time::Duration;
 
 /// A day: nothing is simulated for longer, s.
 const LONGEST: f64 = 86_400.0;
+/// No shape is faster, m/s: in a tick it moves by less than a robot is wide.
+const FASTEST: f64 = 5.0;
 /// Beyond this nothing lies, m.
 const FARTHEST: f64 = 1000.0;
 
@@ -32,70 +36,63 @@ const DIRECTIONS: [(&str, [bool; 2]); 3] =
 
 type Build = fn(&Section<'_>) -> Result<Fault, FileError>;
 
-/// What a fault may be called, and what else its table holds.
-pub const KINDS: [(&str, &str); 23] = [
-    ("loss", "share, direction"),
-    ("corruption", "share, direction"),
-    ("duplication", "share, direction"),
-    ("truncation", "share, direction"),
-    ("reordering", "share, direction"),
-    ("delay", "seconds, jitter, direction"),
-    ("cut", "direction"),
-    ("reset", ""),
-    ("brown-out", ""),
-    ("battery", "volts"),
-    ("encoder-stuck", "wheel"),
-    ("encoder-reversed", "wheel"),
-    ("encoder-noisy", "wheel, counts"),
-    ("encoder-scaled", "wheel, factor"),
-    ("encoder-missing", "wheel, share"),
-    ("encoders-swapped", ""),
-    ("blocked", "wheel"),
-    ("slip", "wheel, share"),
-    ("weak", "wheel, share"),
-    ("lifted", ""),
-    ("bump", "push = [ahead, left, turn]"),
-    ("kidnapped", "to = [x, y, heading]"),
-    ("shape", "rect, circle or polygon"),
-];
-
-const BUILDERS: [Build; 23] = [
-    |s| wires(s, |share| Faults { loss: share, ..Faults::default() }),
-    |s| wires(s, |share| Faults { corruption: share, ..Faults::default() }),
-    |s| wires(s, |share| Faults { duplication: share, ..Faults::default() }),
-    |s| wires(s, |share| Faults { truncation: share, ..Faults::default() }),
-    |s| wires(s, |share| Faults { reordering: share, depth: 8, ..Faults::default() }),
-    delay,
-    |s| {
+/// What a fault may be called, and what its table is read by; `every_kind.toml` holds one of each.
+const KINDS: [(&str, Build); 28] = [
+    ("loss", |s| wires(s, |share| Faults { loss: share, ..Faults::default() })),
+    ("corruption", |s| wires(s, |share| Faults { corruption: share, ..Faults::default() })),
+    ("duplication", |s| wires(s, |share| Faults { duplication: share, ..Faults::default() })),
+    ("truncation", |s| wires(s, |share| Faults { truncation: share, ..Faults::default() })),
+    ("reordering", |s| {
+        wires(s, |share| Faults { reordering: share, depth: 8, ..Faults::default() })
+    }),
+    ("delay", delay),
+    ("cut", |s| {
         let faults = Faults { loss: 1.0, ..Faults::default() };
         Ok(Fault::Wires(WireFault { directions: directions(s)?, faults, pace: Pace::default() }))
-    },
-    |_| Ok(Fault::Reset),
-    |_| Ok(Fault::BrownOut),
-    |s| Ok(Fault::Battery(s.needed("volts", 0.0..=60.0)?)),
-    |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Stuck)),
-    |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Reversed)),
-    |s| {
+    }),
+    ("reset", |_| Ok(Fault::Reset)),
+    ("brown-out", |_| Ok(Fault::BrownOut)),
+    ("battery", |s| Ok(Fault::Battery(s.needed("volts", 0.0..=60.0)?))),
+    ("encoder-stuck", |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Stuck))),
+    ("encoder-reversed", |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Reversed))),
+    ("encoder-noisy", |s| {
         let counts = s.needed("counts", 1.0..=10_000.0)? as u32;
         Ok(Fault::Encoder(wheels(s)?, EncoderFault::Noisy(counts)))
-    },
-    |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Scaled(s.needed("factor", -10.0..=10.0)?))),
-    |s| Ok(Fault::Encoder(wheels(s)?, EncoderFault::Missing(s.needed("share", 0.0..=1.0)?))),
-    |_| Ok(Fault::EncodersSwapped),
-    |s| Ok(Fault::Blocked(wheels(s)?)),
-    |s| Ok(Fault::Slip(wheels(s)?, s.needed("share", 0.0..=1.0)?)),
-    |s| Ok(Fault::Weak(wheels(s)?, s.needed("share", 0.0..=2.0)?)),
-    |_| Ok(Fault::Lifted),
-    |s| {
+    }),
+    ("encoder-scaled", |s| {
+        Ok(Fault::Encoder(wheels(s)?, EncoderFault::Scaled(s.needed("factor", -10.0..=10.0)?)))
+    }),
+    ("encoder-missing", |s| {
+        Ok(Fault::Encoder(wheels(s)?, EncoderFault::Missing(s.needed("share", 0.0..=1.0)?)))
+    }),
+    ("encoders-swapped", |_| Ok(Fault::EncodersSwapped)),
+    ("blocked", |s| Ok(Fault::Blocked(wheels(s)?))),
+    ("slip", |s| Ok(Fault::Slip(wheels(s)?, s.needed("share", 0.0..=1.0)?))),
+    ("weak", |s| Ok(Fault::Weak(wheels(s)?, s.needed("share", 0.0..=2.0)?))),
+    ("lifted", |_| Ok(Fault::Lifted)),
+    ("bump", |s| {
         let push = s.numbers("push")?.ok_or_else(|| s.wrong("push", "[ahead, left, turn]"))?;
         Ok(Fault::Bump(push))
-    },
-    |s| {
+    }),
+    ("kidnapped", |s| {
         let to = s.numbers("to")?.ok_or_else(|| s.wrong("to", "[x, y, heading]"))?;
         let [x, y, heading] = to;
         Ok(Fault::Kidnapped(TruePose { x, y, heading }))
-    },
-    |s| shape(s).map(Fault::Shape),
+    }),
+    ("shape", |s| Ok(Fault::Shape(shape(s)?, motion(s)?))),
+    ("camera-dark", |_| Ok(Fault::Camera(CameraFaults { dark: true, ..CameraFaults::default() }))),
+    ("camera-frozen", |_| {
+        Ok(Fault::Camera(CameraFaults { frozen: true, ..CameraFaults::default() }))
+    }),
+    ("camera-late", |s| {
+        let late = Duration::from_secs_f64(s.needed("seconds", 0.0..=60.0)?);
+        Ok(Fault::Camera(CameraFaults { late, ..CameraFaults::default() }))
+    }),
+    ("camera-lost", |s| {
+        let lost = s.needed("share", 0.0..=1.0)?;
+        Ok(Fault::Camera(CameraFaults { lost, ..CameraFaults::default() }))
+    }),
+    ("camera-moved", camera_moved),
 ];
 
 impl Script {
@@ -158,10 +155,8 @@ fn in_quotes_if_a_word(value: &str) -> String {
 }
 
 fn scripted(section: &Section<'_>) -> Result<Scripted, FileError> {
-    let kinds: Vec<(&str, Build)> =
-        KINDS.iter().zip(BUILDERS).map(|((name, _), build)| (*name, build)).collect();
-    let build = section.choice("kind", &kinds)?;
-    let build = build.ok_or_else(|| section.wrong("kind", must_be(&kinds)))?;
+    let build = section.choice("kind", &KINDS)?;
+    let build = build.ok_or_else(|| section.wrong("kind", must_be(&KINDS)))?;
     let scripted = Scripted {
         fault: build(section)?,
         trigger: trigger(section)?,
@@ -220,6 +215,15 @@ fn delay(section: &Section<'_>) -> Result<Fault, FileError> {
     Ok(Fault::Wires(WireFault { directions, faults: Faults::default(), pace }))
 }
 
+fn camera_moved(section: &Section<'_>) -> Result<Fault, FileError> {
+    let (by, turn) = (section.numbers("by")?, section.numbers("turn")?);
+    if by.is_none() && turn.is_none() {
+        return Err(section.wrong("by", "a camera moves by [x, y, z] or turns by [x, y, z]"));
+    }
+    let moved = Some([by.unwrap_or_default(), turn.unwrap_or_default()]);
+    Ok(Fault::Camera(CameraFaults { moved, ..CameraFaults::default() }))
+}
+
 /// The shape that a table describes by `rect`, `circle` or `polygon`.
 pub(super) fn shape(section: &Section<'_>) -> Result<Shape, FileError> {
     let within = |numbers: &[f64]| numbers.iter().all(|number| number.abs() <= FARTHEST);
@@ -238,6 +242,33 @@ pub(super) fn shape(section: &Section<'_>) -> Result<Shape, FileError> {
         Some(_) => Err(section.wrong("polygon", "must have at least three corners")),
         None => Err(section.wrong("rect", "a shape is a rect, a circle or a polygon")),
     }
+}
+
+/// How the shape of a table moves: by `velocity`, or by `way` with `speed`; without either it stays.
+fn motion(section: &Section<'_>) -> Result<Motion, FileError> {
+    if let Some(velocity) = section.numbers::<2>("velocity")? {
+        let sound = velocity.iter().all(|speed| speed.abs() <= FASTEST);
+        let why = format!("must be [x, y] of at most {FASTEST} m/s");
+        return if sound {
+            Ok(Motion::Velocity(velocity))
+        } else {
+            Err(section.wrong("velocity", why))
+        };
+    }
+    let Some(shifts) = section.points("way")? else { return Ok(Motion::Still) };
+    let speed = section.needed("speed", 0.0..=FASTEST)?;
+    let again = section.choice("again", &[("yes", true), ("no", false)])?.unwrap_or(false);
+    Ok(Motion::Way { shifts, speed, again })
+}
+
+/// The tables of a field that holds shapes that move.
+pub(crate) fn movers(section: &Section<'_>, field: &'static str) -> Result<Vec<Mover>, FileError> {
+    let read = |section: &Section<'_>| {
+        let mover = Mover::new(shape(section)?, motion(section)?, Duration::ZERO);
+        section.finish()?;
+        Ok(mover)
+    };
+    section.sections(field)?.iter().map(read).collect()
 }
 
 /// The tables of a field that holds shapes.
@@ -260,7 +291,8 @@ mod tests {
     #[test]
     fn every_kind_is_read() {
         let script = Script::parse(ALL).unwrap();
-        assert_eq!(script.faults.len(), KINDS.len());
+        // Shapes come twice: one stays, one moves.
+        assert_eq!(script.faults.len(), KINDS.len() + 1);
         for (kind, _) in KINDS {
             assert!(ALL.contains(&format!("kind = \"{kind}\"")), "{kind}");
         }

@@ -1,7 +1,7 @@
 //! What goes wrong in a simulation, and when: faults that begin at a time, a place or an event.
 //!
 //! ```text
-//! file ─► script ─► timeline ─(time, pose, motion)─► faults of wires, firmware, base and world
+//! file ─► script ─► timeline ─(time, pose, motion)─► faults of wires, firmware, base, world and camera
 //! ```
 //! Times are since the script began to run. Metres, radians, volts, shares 0..=1.
 
@@ -9,11 +9,12 @@ mod file;
 mod timeline;
 
 pub use crate::toml_file::FileError;
-pub use file::KINDS;
-pub(crate) use file::shapes;
+pub(crate) use file::{movers, shapes};
 pub(crate) use timeline::{Change, Condition, Glance, Timeline};
 
 use crate::base::{EncoderFault, TruePose};
+use crate::camera::CameraFaults;
+use crate::motion::Motion;
 use crate::wire::{Faults, Pace};
 use crate::world::Shape;
 use std::time::Duration;
@@ -23,6 +24,13 @@ use std::time::Duration;
 pub struct Script {
     /// In the file's order.
     pub faults: Vec<Scripted>,
+}
+
+impl Script {
+    /// Whether it asks for a camera, without which such faults would change nothing.
+    pub fn needs_camera(&self) -> bool {
+        self.faults.iter().any(|scripted| matches!(scripted.fault, Fault::Camera(_)))
+    }
 }
 
 /// One fault and its time.
@@ -99,8 +107,10 @@ pub enum Fault {
     Bump([f64; 3]),
     /// Somebody puts the robot down elsewhere.
     Kidnapped(TruePose),
-    /// A shape comes into the world, and goes away after the fault.
-    Shape(Shape),
+    /// A shape comes into the world, moves or stays, and goes away after the fault.
+    Shape(Shape, Motion),
+    /// The camera over the world fails.
+    Camera(CameraFaults),
 }
 
 /// Which wheels.

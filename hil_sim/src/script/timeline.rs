@@ -2,6 +2,8 @@
 
 use super::{Event, Fault, Script, Scripted, Trigger};
 use crate::base::{Faults, TruePose};
+use crate::camera::CameraFaults;
+use crate::motion::Motion;
 use crate::wire::{self, Pace};
 use crate::world::Shape;
 use std::time::Duration;
@@ -26,8 +28,8 @@ pub(crate) enum Change {
     Battery(f64),
     Push([f64; 3]),
     Place(TruePose),
-    Add(Shape),
-    Remove(Shape),
+    Add(Shape, Motion),
+    Remove(Shape, Motion),
 }
 
 /// What all faults that hold add up to.
@@ -36,6 +38,7 @@ pub(crate) struct Condition {
     pub(crate) base: Faults,
     /// To the robot and to the host; `None` where a wire is as it was before the script.
     pub(crate) wires: [Option<(wire::Faults, Pace)>; 2],
+    pub(crate) camera: CameraFaults,
 }
 
 /// A script that runs.
@@ -168,7 +171,7 @@ fn begins(fault: &Fault) -> Option<Change> {
         Fault::Battery(volts) => Change::Battery(*volts),
         Fault::Bump(push) => Change::Push(*push),
         Fault::Kidnapped(pose) => Change::Place(*pose),
-        Fault::Shape(shape) => Change::Add(shape.clone()),
+        Fault::Shape(shape, motion) => Change::Add(shape.clone(), motion.clone()),
         _ => return None,
     })
 }
@@ -180,7 +183,7 @@ fn ends(fault: &Fault) -> Option<Change> {
     Some(match fault {
         Fault::BrownOut => Change::PowerOn,
         Fault::Battery(_) => Change::Battery(CHARGED),
-        Fault::Shape(shape) => Change::Remove(shape.clone()),
+        Fault::Shape(shape, motion) => Change::Remove(shape.clone(), motion.clone()),
         _ => return None,
     })
 }
@@ -201,12 +204,13 @@ impl Condition {
             Fault::Slip(wheels, share) => wheels.apply(&mut base.slip, *share),
             Fault::Weak(wheels, share) => wheels.apply(&mut base.weak, *share),
             Fault::Lifted => base.lifted = true,
+            Fault::Camera(fault) => self.camera = fails_more(self.camera, *fault),
             Fault::Reset
             | Fault::BrownOut
             | Fault::Battery(_)
             | Fault::Bump(_)
             | Fault::Kidnapped(_)
-            | Fault::Shape(_) => {}
+            | Fault::Shape(..) => {}
         }
     }
 }
@@ -219,6 +223,16 @@ fn worse(a: wire::Faults, b: wire::Faults) -> wire::Faults {
         truncation: a.truncation.max(b.truncation),
         reordering: a.reordering.max(b.reordering),
         depth: a.depth.max(b.depth),
+    }
+}
+
+fn fails_more(a: CameraFaults, b: CameraFaults) -> CameraFaults {
+    CameraFaults {
+        dark: a.dark || b.dark,
+        frozen: a.frozen || b.frozen,
+        late: a.late.max(b.late),
+        lost: a.lost.max(b.lost),
+        moved: b.moved.or(a.moved),
     }
 }
 

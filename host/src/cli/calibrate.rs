@@ -6,17 +6,17 @@
 //! A person measures on a real robot; on the simulated one, whose true pose is known, nobody has to.
 
 use super::args::CalibrateBaseArgs;
-use super::endpoint::{self, Endpoint, Simulated, SimulatedRobot, SimulatedWorld};
+use super::endpoint::{self, Endpoint, SimulatedRobot, SimulatedWorld};
 use super::error::{CliError, Exit};
 use super::mission::{self, interrupted_error};
 use super::output::Output;
 use super::{params, quantity};
-use hil_sim::base::{BaseParameters, TruePose};
+use hil_sim::base::BaseParameters;
 use hil_sim::in_process::InProcess;
 use protocol::motion;
 use protocol::parameters::Parameters;
-use serde_json::{Value, json};
 use wmr::calibration::{BaseLengths, Calibration, Course, Run, calibrate, seen_from};
+use wmr::document::{BaseCalibrationDocument, BaseCalibrationState};
 use wmr::geometry::Pose;
 use wmr::legs::from_wire;
 use wmr::link::drive::POLL_INTERVAL;
@@ -34,32 +34,8 @@ pub(crate) fn base(args: &CalibrateBaseArgs, output: Output) -> Result<(), CliEr
     let endpoint = open(args)?;
     let nonce = endpoint.nonce();
     let mut floor = Floor { client: LinkClient::new(endpoint, nonce), output };
-    mission::connect(&mut floor.client)?;
-    let old = params::read(&mut floor.client)?;
-    if floor.truth().is_none() {
-        output.ask(&format!("{INSTRUCTIONS}\n"));
-    }
-    let courses = Course::all(args.side);
-    let runs = floor.drive_all(&courses)?;
-    let found = calibrate(BaseLengths::of(&old), &runs)?;
-    let new = found.lengths.applied_to(&old, old.calibration.wrapping_add(1));
-    params::set(&mut floor.client, new)?;
-    output.say("with the lengths found, a square each way:");
-    let checks = [true, false].map(|left| Course::Square { side: args.side, left });
-    // The old lengths come back whatever goes wrong from here on.
-    let checked = floor.drive_all(&checks).map(|runs| return_error(&runs));
-    let after = match checked {
-        Ok(after) if after <= return_error(&runs) => after,
-        other => {
-            params::set(&mut floor.client, old)?;
-            return Err(other.map_or_else(|error| error, |after| worse(return_error(&runs), after)));
-        }
-    };
-    if !args.no_save {
-        params::keep(&mut floor.client)?;
-    }
-    let result = Outcome { old, new, found, before: return_error(&runs), after };
-    output.result(&result.document(!args.no_save), &result.text(args))
+    let result = floor.calibrate(args);
+    mission::finish(&mut floor.client, result)
 }
 
 fn worse(before: f64, after: f64) -> CliError {
@@ -74,11 +50,11 @@ fn worse(before: f64, after: f64) -> CliError {
 
 fn open(args: &CalibrateBaseArgs) -> Result<Box<dyn Endpoint>, CliError> {
     let seed = args.sim_seed;
-    let nowhere = SimulatedWorld { world: None, start: TruePose::default(), seed };
+    let nowhere = SimulatedWorld::nowhere(seed);
     if args.port == "sim" {
         let wrong = args.sim_errors.map(|percent| 1.0 + percent / 100.0);
         let base = BaseParameters::seeded(seed).with_wrong_lengths(wrong);
-        return Ok(Box::new(Simulated(nowhere.with(InProcess::default(), base))));
+        return Ok(Box::new(nowhere.with(InProcess::default(), base)));
     }
     endpoint::open(&args.port, nowhere, SimulatedRobot::Default)
 }
@@ -96,6 +72,36 @@ struct Floor {
 }
 
 impl Floor {
+    fn calibrate(&mut self, args: &CalibrateBaseArgs) -> Result<(), CliError> {
+        mission::connect(&mut self.client)?;
+        let old = params::read(&mut self.client)?;
+        if self.truth().is_none() {
+            self.output.ask(&format!("{INSTRUCTIONS}\n"));
+        }
+        let courses = Course::all(args.side);
+        let runs = self.drive_all(&courses)?;
+        let found = calibrate(BaseLengths::of(&old), &runs)?;
+        let new = found.lengths.applied_to(&old, old.calibration.wrapping_add(1));
+        params::set(&mut self.client, new)?;
+        self.output.say("with the lengths found, a square each way:");
+        let checks = [true, false].map(|left| Course::Square { side: args.side, left });
+        // The old lengths come back whatever goes wrong from here on.
+        let checked = self.drive_all(&checks).map(|runs| return_error(&runs));
+        let after = match checked {
+            Ok(after) if after <= return_error(&runs) => after,
+            other => {
+                params::restore(&mut self.client, old);
+                let was = return_error(&runs);
+                return Err(other.map_or_else(|error| error, |after| worse(was, after)));
+            }
+        };
+        if !args.no_save {
+            params::keep(&mut self.client)?;
+        }
+        let result = Outcome { old, new, found, before: return_error(&runs), after };
+        self.output.result(&result.document(!args.no_save), &result.text(args))
+    }
+
     fn drive_all(&mut self, courses: &[Course]) -> Result<Vec<Run>, CliError> {
         let numbered = (1..).zip(courses);
         numbered.map(|(number, course)| self.run(number, courses.len(), *course)).collect()
@@ -123,12 +129,12 @@ impl Floor {
     fn drive(&mut self, course: Course) -> Result<Pose, CliError> {
         let mut mission = Mission::new(course.legs(), motion::Pose::default());
         loop {
-            if mission::interrupted() {
+            if mission::stop_wanted() {
                 self.client.stop();
             }
             let now = self.client.port_mut().now();
             let events = mission.step(&mut self.client, now).map_err(|error| match error {
-                MissionError::Stopped if mission::interrupted() => {
+                MissionError::Stopped if mission::stop_wanted() => {
                     interrupted_error("the robot has stopped; its lengths are the old ones")
                 }
                 error => error.into(),
@@ -146,7 +152,7 @@ impl Floor {
 
     fn truth(&mut self) -> Option<Pose> {
         let truth = self.client.port_mut().truth()?;
-        Some(Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
+        Some(truth.pose.into())
     }
 
     /// What a person has measured, asked for until it is a pose.
@@ -190,20 +196,17 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn document(&self, saved: bool) -> Value {
-        let lengths = |parameters: &Parameters, return_error: f64, rms: f64| {
+    fn document(&self, saved: bool) -> BaseCalibrationDocument {
+        let state = |parameters: &Parameters, return_error: f64, rms: f64| {
             let BaseLengths { wheel_radius, wheel_ratio, track } = BaseLengths::of(parameters);
-            json!({
-                "wheel_radius": wheel_radius, "wheel_ratio": wheel_ratio, "track": track,
-                "return_error": return_error, "rms": rms,
-            })
+            BaseCalibrationState { wheel_radius, wheel_ratio, track, return_error, rms }
         };
-        json!({
-            "before": lengths(&self.old, self.before, self.found.before),
-            "after": lengths(&self.new, self.after, self.found.after),
-            "calibration": self.new.calibration,
-            "saved": saved,
-        })
+        BaseCalibrationDocument {
+            before: state(&self.old, self.before, self.found.before),
+            after: state(&self.new, self.after, self.found.after),
+            calibration: self.new.calibration,
+            saved,
+        }
     }
 
     fn text(&self, args: &CalibrateBaseArgs) -> String {

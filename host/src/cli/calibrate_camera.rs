@@ -7,16 +7,15 @@
 use super::args::CalibrateCameraArgs;
 use super::detect::read_photo;
 use super::error::CliError;
-use super::folder::replace_file;
+use super::folder::replace_named;
 use super::input::{read_bytes, read_picture};
 use super::output::Output;
-use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use wmr::document::{CameraDocument, CamerasDocument};
 use wmr::vision::{self, CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 
-/// Sides of the arena, as they are counted.
-const SIDES: [&str; 4] = ["lower", "right", "upper", "left"];
 /// Sides shifted by more than this, squared standard deviations, deserve advice.
 const MUCH_STRAIN: f64 = 6.0;
 /// A focal length less sure than this share of it deserves advice.
@@ -25,28 +24,28 @@ const UNSURE_FOCAL: f64 = 0.03;
 /// `wmr calibrate camera`.
 pub(crate) fn run(args: &CalibrateCameraArgs, output: Output) -> Result<(), CliError> {
     let cameras = cameras(args)?;
-    let mut document = Map::new();
+    let mut document = CamerasDocument { empty: None, cameras: BTreeMap::new() };
     let mut text = String::new();
     for camera in &cameras {
         let found = camera.calibrate(args, output)?;
         let _ = write!(text, "{}", describe(camera.name, &found));
-        document.insert(camera.name.into(), camera_document(&found));
+        document.cameras.insert(camera.name.into(), camera_document(&found));
     }
     match &args.out {
         Some(path) => {
             if let Some(empty) = &args.empty {
                 let name = keep_empty(empty, &args.photos, path)?;
                 let _ = writeln!(text, "the picture of the empty arena is kept as {name}");
-                document.insert("empty".into(), json!(name));
+                document.empty = Some(name);
             }
-            let document = Value::Object(document.clone());
-            replace_file(path, format!("{document:#}\n").as_bytes())?;
+            let file = format!("{:#}\n", serde_json::json!(document));
+            replace_named(path, file.as_bytes(), "camera", is_camera)?;
             let photos = if cameras.len() > 1 { "PHOTO PHOTO_B" } else { "PHOTO" };
             let _ = writeln!(text, "use it: wmr detect {photos} --camera {}", path.display());
         }
         None => text += "nothing is written; add --out camera.json to keep it\n",
     }
-    output.result(&Value::Object(document), &text)
+    output.result(&document, &text)
 }
 
 /// Keeps the picture of the empty arena beside the camera's file; its name there.
@@ -58,8 +57,16 @@ fn keep_empty(empty: &Path, photos: &[PathBuf], camera: &Path) -> Result<String,
     let ending = empty.extension().unwrap_or_default().to_string_lossy();
     let stem = camera.file_stem().unwrap_or_default().to_string_lossy();
     let name = format!("{stem}.empty.{ending}");
-    replace_file(&camera.with_file_name(&name), &read_bytes(empty)?)?;
+    let is_picture = |older: &[u8]| image::guess_format(older).is_ok();
+    let bytes = read_bytes(empty)?;
+    replace_named(&camera.with_file_name(&name), &bytes, "picture", is_picture)?;
     Ok(name)
+}
+
+/// Whether a file is a camera's.
+pub(super) fn is_camera(older: &[u8]) -> bool {
+    serde_json::from_slice::<serde_json::Map<_, _>>(older)
+        .is_ok_and(|file| ["main", "a"].iter().any(|name| file.contains_key(*name)))
 }
 
 /// What is said of one camera.
@@ -134,21 +141,17 @@ fn observe(
 }
 
 /// A camera as it stands in the file: what detect reads, and how sure it is.
-fn camera_document(found: &CalibratedCamera) -> Value {
-    let mut document = json!(found.camera);
-    let more = json!({
-        "position": found.position,
-        "tilt": found.tilt,
-        "residual_px": found.residual,
-        "steps": found.steps,
-        "strain": found.strain,
-        "mistaken_side": found.mistaken.map(|side| SIDES[side]),
-        "warnings": advice(found),
-    });
-    if let (Some(fields), Value::Object(more)) = (document.as_object_mut(), more) {
-        fields.extend(more);
+fn camera_document(found: &CalibratedCamera) -> CameraDocument {
+    CameraDocument {
+        camera: found.camera.clone(),
+        position: found.position,
+        tilt: found.tilt,
+        residual_px: found.residual,
+        steps: found.steps,
+        strain: found.strain,
+        mistaken_side: found.mistaken.map(|side| side.to_string()),
+        warnings: advice(found),
     }
-    document
 }
 
 /// What would make the camera surer, or right.
@@ -164,7 +167,6 @@ fn advice(found: &CalibratedCamera) -> Vec<String> {
     }
     let look = "to be sure, say with --corners where the floor's corners are";
     if let Some(side) = found.mistaken {
-        let side = SIDES[side];
         advice.push(format!(
             "a shadow or a wall's top was probably taken for the border's {side} side; its place is told by the other three; {look}"
         ));

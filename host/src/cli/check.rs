@@ -11,10 +11,10 @@ use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::mission::{self, interrupted_error};
 use super::output::Output;
-use super::{params, ports};
+use super::params;
 use protocol::message::Wheel;
 use protocol::parameters::{Parameters, Wiring};
-use serde_json::{Value, json};
+use wmr::document::WiringDocument;
 use wmr::link::drive::wait_for;
 use wmr::link::parameters::{Answer, Request};
 use wmr::link::{LinkClient, LinkError};
@@ -38,39 +38,39 @@ const BITS: [(Wiring, &str); 6] = [
 
 /// `wmr check base`.
 pub(crate) fn base(args: &CheckBaseArgs, output: Output) -> Result<(), CliError> {
-    mission::catch_interrupts();
-    let mut client = ports::open_client(&args.port)?;
-    mission::connect(&mut client)?;
-    client.check_protocol()?;
-    let old = params::read(&mut client)?;
-    output.ask(&format!("{INSTRUCTIONS}\n"));
-    let mut bench = Bench { client, output };
-    // The old wiring comes back whatever goes wrong.
-    let found = match bench.find(&old) {
-        Ok(found) => found,
-        Err(error) => {
-            let _ = params::set(&mut bench.client, old);
-            return Err(error);
+    mission::with_robot(&args.port, |client| {
+        mission::connect(client)?;
+        client.check_protocol()?;
+        let old = params::read(client)?;
+        output.ask(&format!("{INSTRUCTIONS}\n"));
+        let mut bench = Bench { client, output };
+        // The old wiring comes back whatever goes wrong.
+        let found = match bench.find(&old) {
+            Ok(found) => found,
+            Err(error) => {
+                params::restore(bench.client, old);
+                return Err(error);
+            }
+        };
+        if !args.no_save {
+            params::keep(bench.client)?;
         }
-    };
-    if !args.no_save {
-        params::keep(&mut bench.client)?;
-    }
-    let document = json!({"wiring": documented(found.wiring), "saved": !args.no_save});
-    output.result(&document, &described(found.wiring, !args.no_save))
+        let document = WiringDocument { wiring: found.wiring.into(), saved: !args.no_save };
+        output.result(&document, &described(found.wiring, !args.no_save))
+    })
 }
 
 /// The robot on its block, and whoever looks at it.
-struct Bench {
-    client: LinkClient<Box<dyn Endpoint>>,
+struct Bench<'a> {
+    client: &'a mut LinkClient<Box<dyn Endpoint>>,
     output: Output,
 }
 
-impl Bench {
+impl Bench<'_> {
     /// The robot's parameters with the wiring found, which it has already taken.
     fn find(&mut self, old: &Parameters) -> Result<Parameters, CliError> {
         self.release()?;
-        params::set(&mut self.client, Parameters { wiring: Wiring::default(), ..*old })?;
+        params::set(self.client, Parameters { wiring: Wiring::default(), ..*old })?;
         let mut turns = [Turn { seen: None, counts: [0; 2] }; 2];
         for (turn, outputs) in turns.iter_mut().zip([Wheel::Left, Wheel::Right]) {
             let side = name(outputs);
@@ -80,7 +80,7 @@ impl Bench {
             turn.seen = self.seen()?;
         }
         let found = Parameters { wiring: wiring(turns)?, ..*old };
-        params::set(&mut self.client, found)?;
+        params::set(self.client, found)?;
         self.output.ask("Press Enter, and both wheels turn forward, the left one first:");
         self.line()?;
         for wheel in [Wheel::Left, Wheel::Right] {
@@ -91,7 +91,7 @@ impl Bench {
 
     /// A robot that is stopped turns nothing.
     fn release(&mut self) -> Result<(), CliError> {
-        let sent = wait_for(&mut self.client, mission::interrupted, |client, now| {
+        let sent = wait_for(self.client, mission::stop_wanted, |client, now| {
             client.poll(now)?;
             Ok::<_, LinkError>(client.clear().then_some(()))
         })?;
@@ -100,7 +100,7 @@ impl Bench {
 
     /// Turns a wheel; what was counted.
     fn turn(&mut self, wheel: Wheel) -> Result<[i32; 2], CliError> {
-        match params::ask(&mut self.client, Request::Turn(wheel))? {
+        match params::ask(self.client, Request::Turn(wheel))? {
             Answer::Turned(counts) => Ok(counts),
             _ => Err(CliError::new(Exit::Bug, "bug", "an answer to no question", "report it")),
         }
@@ -134,7 +134,7 @@ impl Bench {
                 "rf" => return Ok(Some((Wheel::Right, true))),
                 "rb" => return Ok(Some((Wheel::Right, false))),
                 "n" => return Ok(None),
-                other => self.output.ask(&format!("{other:?} is none of them\n")),
+                other => self.output.ask(&format!("{other:?} is not one of them\n")),
             }
         }
     }
@@ -150,23 +150,8 @@ impl Bench {
 
 impl From<WiringFault> for CliError {
     fn from(error: WiringFault) -> Self {
-        Self::advised(Exit::Robot, "check.wiring", &error, "mend it and check again")
+        Self::of(Exit::Robot, "check.wiring", &error)
     }
-}
-
-fn documented(wiring: Wiring) -> Value {
-    json!({
-        "motors_swapped": wiring.has(Wiring::MOTORS_SWAPPED),
-        "encoders_swapped": wiring.has(Wiring::ENCODERS_SWAPPED),
-        "motor_reversed": [
-            wiring.has(Wiring::LEFT_MOTOR_REVERSED),
-            wiring.has(Wiring::RIGHT_MOTOR_REVERSED),
-        ],
-        "encoder_reversed": [
-            wiring.has(Wiring::LEFT_ENCODER_REVERSED),
-            wiring.has(Wiring::RIGHT_ENCODER_REVERSED),
-        ],
-    })
 }
 
 fn described(wiring: Wiring, saved: bool) -> String {

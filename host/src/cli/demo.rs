@@ -9,6 +9,7 @@ use super::mission::Resume;
 use super::output::Output;
 use super::way::{self, MarginRule};
 use super::{detect, plan};
+use hil_sim::script::Script;
 use wmr::geometry::{Arena, Point};
 use wmr::link::standing::Tolerance;
 use wmr::scene::Goal;
@@ -22,14 +23,19 @@ const GOAL: Point = Point::new(0.996, 0.229);
 /// Which of many slightly different robots drives.
 const SEED: u64 = 1;
 
-/// Runs the demo; an error unless the goal is reached.
-pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
-    let vision = VisionArgs { arena: Some(ARENA), ..VisionArgs::default() };
-    let way_args = WayArgs {
+/// Where the demo's way leads, and how it is found.
+pub(crate) fn way_args() -> WayArgs {
+    WayArgs {
         goal: Some(Goal { position: GOAL, heading: None }),
         planner: PlannerName::Grid,
         ..WayArgs::default()
-    };
+    }
+}
+
+/// Runs the demo; an error unless the goal is reached.
+pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
+    let vision = VisionArgs { arena: Some(ARENA), ..VisionArgs::default() };
+    let way_args = way_args();
     output.say(&format!("1. photo: {} × {} m arena, seen from above", ARENA.width, ARENA.height));
     let seen = input::see(
         PHOTO.to_vec(),
@@ -44,8 +50,14 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     output.say(&format!("3. drive: robot at {}", args.port));
     let folder = Folder::begin(&args.out, &input, &way)?;
     let tolerance = Some(Tolerance::SEEN);
-    let begin = Begin { tolerance, resume: Resume::Never, seed: SEED, error: None };
-    let driven = drive_way(&way, &way_args, &args.port, begin, output)?;
+    let begin = Begin {
+        tolerance,
+        resume: Resume::Never,
+        seed: SEED,
+        error: None,
+        script: Script::default(),
+    };
+    let driven = drive_way(&way, &args.port, begin, output)?;
     let outcome = tell(&driven, output);
     keep(outcome, output, || {
         folder.run(&input, &way, &driven.run)?;

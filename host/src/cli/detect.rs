@@ -6,9 +6,9 @@ use super::error::{CliError, Exit};
 use super::folder::Folder;
 use super::input::{self, SeenPhoto, Sight};
 use super::output::Output;
-use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Duration;
+use wmr::document::DetectionDocument;
 use wmr::geometry::Rect;
 use wmr::shape::Shape;
 
@@ -18,6 +18,10 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
         return detect_pair::run(args, second, output);
     }
     let bytes = read_photo(&args.photo)?;
+    let folder = args.steps.as_deref().map(Folder::create).transpose()?;
+    if let Some(folder) = &folder {
+        folder.border(&bytes, &args.vision)?;
+    }
     let seen = input::see(
         bytes,
         &args.vision,
@@ -28,8 +32,9 @@ pub(crate) fn run(args: &DetectArgs, output: Output) -> Result<(), CliError> {
             start: None,
         },
     )?;
-    if let Some(folder) = &args.steps {
-        Folder::create(folder)?.vision(&seen, args.radius)?;
+    if let Some(folder) = &folder {
+        folder.vision(&seen, args.radius)?;
+        folder.index("What wmr sees in a photo")?;
     }
     output.result(&detection_document(&seen, args.radius), &describe(&seen))
 }
@@ -39,30 +44,27 @@ pub(super) fn read_photo(path: &Path) -> Result<Vec<u8>, CliError> {
     let bytes = input::read_bytes(path)?;
     if bytes.is_empty() {
         let message = format!("{} is empty", path.display());
-        return Err(CliError::new(Exit::File, "file.empty", message, "give a photo, PNG or JPEG"));
+        return Err(CliError::new(
+            Exit::File,
+            "file.empty",
+            message,
+            "give a photo, such as a JPEG",
+        ));
     }
     Ok(bytes)
 }
 
 /// The document of `wmr detect --json`.
-pub(crate) fn detection_document(seen: &SeenPhoto, radius: f64) -> Value {
-    let detection = &seen.detection;
-    let mut document = json!(seen.scene(Some(radius)));
-    if let Some(fields) = document.as_object_mut() {
-        // A scene without any margin leaves the list out; a detection always has it.
-        let margins = || detection.obstacles.iter().map(|obstacle| json!(obstacle.margin));
-        fields.entry("margins").or_insert_with(|| Value::from_iter(margins()));
-        fields.insert("corners_px".into(), json!(detection.corners_px));
-        fields.insert("robot".into(), json!(detection.robot));
-        fields.insert("confidence".into(), json!(detection.confidence));
-        fields.insert("warnings".into(), json!(detection.warnings));
-        if let Some(empty) = &seen.empty {
-            fields.insert("empty".into(), json!(empty.display().to_string()));
-        }
-        let timing = json!({"decode": milliseconds(seen.decode_time), "detect": milliseconds(seen.detect_time)});
-        fields.insert("timing_ms".into(), timing);
+pub(crate) fn detection_document(seen: &SeenPhoto, radius: f64) -> DetectionDocument {
+    DetectionDocument {
+        empty: seen.empty.as_ref().map(|path| path.display().to_string()),
+        ..DetectionDocument::new(
+            seen.scene(Some(radius)),
+            &seen.detection,
+            seen.decode_time,
+            seen.detect_time,
+        )
     }
-    document
 }
 
 fn milliseconds(duration: Duration) -> f64 {

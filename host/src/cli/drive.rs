@@ -1,6 +1,6 @@
 //! `wmr drive`: a robot, real or simulated, along a plan.
 
-use super::args::{DriveArgs, TimingName, WayArgs};
+use super::args::DriveArgs;
 use super::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use super::error::{CliError, Exit};
 use super::folder::Folder;
@@ -8,7 +8,9 @@ use super::input::{self, Input, Sight};
 use super::mission::{self, Beginning, Resume, place};
 use super::output::Output;
 use super::run::{Driven, Run, count_of_legs};
+use super::sim::{check_camera, short_faults};
 use super::way::{self, MarginRule, PlannedWay};
+use hil_sim::script::Script;
 use hil_sim::world::CollisionLog;
 use protocol::motion::Limits;
 use wmr::geometry::{Point, Pose};
@@ -16,8 +18,12 @@ use wmr::link::standing::Tolerance;
 
 /// `wmr drive`.
 pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
+    let path = args
+        .input
+        .as_deref()
+        .ok_or_else(|| CliError::usage("what is to be driven?", "give a plan, photo or scene"))?;
     let input = input::read(
-        &args.input,
+        path,
         &args.vision,
         Sight {
             radius: args.way.radius,
@@ -36,8 +42,11 @@ pub(crate) fn run(args: &DriveArgs, output: Output) -> Result<(), CliError> {
         Input::Photo(_) => Some(Tolerance::SEEN),
         Input::Scene(_) | Input::Plan(_) => Some(Tolerance::WRITTEN),
     };
-    let begin = Begin { tolerance, resume, seed: args.sim_seed, error: args.sim_start_error };
-    let driven = drive_way(&way, asked, &args.port, begin, output)?;
+    let script = short_faults("--sim-fault", &args.sim_fault)?;
+    check_camera(&script, false, "--watch sim")?;
+    let (seed, error) = (args.sim_seed, args.sim_start_error);
+    let begin = Begin { tolerance, resume, seed, error, script };
+    let driven = drive_way(&way, &args.port, begin, output)?;
     let outcome = tell(&driven, output);
     keep(outcome, output, || folder.map_or(Ok(()), |folder| folder.run(&input, &way, &driven.run)))
 }
@@ -69,7 +78,7 @@ pub(crate) fn keep(
 }
 
 /// How a drive begins.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Begin {
     /// How far from its start the robot may know itself to stand; `None` if it was carried there.
     pub(crate) tolerance: Option<Tolerance>,
@@ -78,10 +87,12 @@ pub(crate) struct Begin {
     pub(crate) seed: u64,
     /// How far beside its start a simulated robot really stands: metres, radians.
     pub(crate) error: Option<(f64, f64)>,
+    /// What goes wrong with a simulated robot.
+    pub(crate) script: Script,
 }
 
 /// A pose so far beside `pose`, to the side that `seed` has it.
-fn beside(pose: Pose, error: Option<(f64, f64)>, seed: u64) -> Pose {
+pub(super) fn beside(pose: Pose, error: Option<(f64, f64)>, seed: u64) -> Pose {
     let Some((distance, turn)) = error else { return pose };
     // Turns by the golden section never fall on each other.
     let direction = std::f64::consts::TAU * (seed as f64 * 0.618_033_988_75).fract();
@@ -94,21 +105,17 @@ fn beside(pose: Pose, error: Option<(f64, f64)>, seed: u64) -> Pose {
 /// Drives a way on the port of that name.
 pub(crate) fn drive_way(
     way: &PlannedWay,
-    args: &WayArgs,
     port: &str,
-    Begin { tolerance, resume, seed, error }: Begin,
+    Begin { tolerance, resume, seed, error, script }: Begin,
     output: Output,
 ) -> Result<Driven, CliError> {
     let file = &way.file;
     let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
     let start = Pose { position: first, heading: file.start_heading() };
     let world = SimulatedWorld::new(&file.scene, beside(start, error, seed), seed);
-    let robot = match args.timing {
-        TimingName::Limits => SimulatedRobot::Default,
-        TimingName::Paper => SimulatedRobot::Paper,
-    };
-    let endpoint = endpoint::open(port, world, robot)?;
-    let legs = |limits: &Limits| way::legs_of(file, args, limits);
+    let world = SimulatedWorld { script: Some(script), ..world };
+    let endpoint = endpoint::open(port, world, SimulatedRobot::for_timing(way.legs.timing))?;
+    let legs = |limits: &Limits| way.legs_for(limits, output);
     let mut driven =
         mission::drive(endpoint, Beginning { start, tolerance }, legs, resume, output)?;
     driven.run.origin = way::origin(&file.scene);

@@ -1,13 +1,17 @@
 //! Where a robot is: behind a port, or simulated. One loop drives them all, each on its own time.
 
 use super::error::CliError;
+use super::stop_desk::StopDesk;
 use hil_sim::base::{self, BaseParameters, TruePose, WheeledBase};
+use hil_sim::camera::{Frame, Stream};
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::presets::paper_robot;
+use hil_sim::script::Script;
 use hil_sim::simulation::{Firmware, Simulation, Truth};
 use hil_sim::wire;
-use hil_sim::world::{self, World};
+use hil_sim::world::World;
+use protocol::motion::Timing;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,7 +19,6 @@ use wmr::geometry::Pose;
 use wmr::link::drive::TimedPort;
 use wmr::link::reopening::Reopening;
 use wmr::scene::Scene;
-use wmr::shape::Shape;
 
 /// A port to a robot, real or simulated.
 pub(crate) trait Endpoint: TimedPort {
@@ -32,6 +35,16 @@ pub(crate) trait Endpoint: TimedPort {
     /// Lets these things go wrong from now on, if the robot is simulated.
     fn inject(&mut self, _base: base::Faults, _wires: (wire::Faults, wire::Pace)) {}
 
+    /// When its time 0 was, if it is the clock on the wall that goes on.
+    fn epoch(&self) -> Option<Instant> {
+        None
+    }
+
+    /// The next frame of the simulated camera over it, if there is one.
+    fn take_frame(&mut self) -> Option<Frame> {
+        None
+    }
+
     /// Whether the other side closes every connection before it has said a word.
     fn is_turned_away(&self) -> bool {
         false
@@ -43,44 +56,18 @@ pub(crate) trait Endpoint: TimedPort {
     }
 }
 
-/// A simulated robot on its own time.
-#[derive(Debug)]
-pub(crate) struct Simulated<B: Firmware>(pub(crate) Simulation<B>);
-
-impl<B: Firmware> Read for Simulated<B> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.read(buffer)
-    }
-}
-
-impl<B: Firmware> Write for Simulated<B> {
-    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.0.write(buffer)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.0.flush()
-    }
-}
-
-impl<B: Firmware> TimedPort for Simulated<B> {
-    fn now(&self) -> Duration {
-        self.0.now()
-    }
-
-    fn wait(&mut self, duration: Duration) -> io::Result<()> {
-        self.0.wait(duration)
-    }
-}
-
-impl<B: Firmware> Endpoint for Simulated<B> {
+impl<B: Firmware> Endpoint for Simulation<B> {
     fn truth(&self) -> Option<Truth> {
-        Some(self.0.truth())
+        Some(self.truth())
     }
 
     fn inject(&mut self, base: base::Faults, (faults, pace): (wire::Faults, wire::Pace)) {
-        self.0.base_mut().set_faults(base);
-        self.0.wires().into_iter().for_each(|wire| wire.change(faults, pace));
+        self.base_mut().set_faults(base);
+        self.wires().into_iter().for_each(|wire| wire.change(faults, pace));
+    }
+
+    fn take_frame(&mut self) -> Option<Frame> {
+        Self::take_frame(self)
     }
 
     /// Always the same, so that a simulated run is the same every time.
@@ -95,6 +82,8 @@ struct RealPort {
     name: String,
     wire: Reopening,
     opened: Instant,
+    /// Where other programs, which cannot open the port, may ask for a stop.
+    _desk: StopDesk,
 }
 
 impl Read for RealPort {
@@ -143,12 +132,71 @@ impl Endpoint for RealPort {
         Some(&self.name)
     }
 
+    fn epoch(&self) -> Option<Instant> {
+        Some(self.opened)
+    }
+
     fn is_turned_away(&self) -> bool {
         self.wire.is_turned_away()
     }
 
     fn outlives_the_program(&self) -> bool {
         true
+    }
+}
+
+/// A simulated robot that keeps to the clock on the wall, for a camera that does.
+pub(crate) struct Paced {
+    inner: Box<dyn Endpoint>,
+    began: Instant,
+}
+
+impl Paced {
+    pub(crate) fn new(inner: Box<dyn Endpoint>) -> Self {
+        let began = Instant::now();
+        Self { began: began.checked_sub(inner.now()).unwrap_or(began), inner }
+    }
+}
+
+impl Read for Paced {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.inner.read(buffer)
+    }
+}
+
+impl Write for Paced {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.inner.write(buffer)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl TimedPort for Paced {
+    fn now(&self) -> Duration {
+        self.inner.now()
+    }
+
+    fn wait(&mut self, duration: Duration) -> io::Result<()> {
+        std::thread::sleep((self.now() + duration).saturating_sub(self.began.elapsed()));
+        // What passed meanwhile passes here too.
+        self.inner.wait(self.began.elapsed().saturating_sub(self.now()).max(duration))
+    }
+}
+
+impl Endpoint for Paced {
+    fn truth(&self) -> Option<Truth> {
+        self.inner.truth()
+    }
+
+    fn nonce(&self) -> u32 {
+        self.inner.nonce()
+    }
+
+    fn epoch(&self) -> Option<Instant> {
+        Some(self.began)
     }
 }
 
@@ -160,44 +208,50 @@ pub(crate) enum SimulatedRobot {
     Paper,
 }
 
-/// What a simulated robot stands in.
-/// A shape as the simulation knows it.
-fn true_shape(shape: &Shape) -> world::Shape {
-    match shape {
-        Shape::Rect(rect) => world::Shape::Rect((*rect).into()),
-        Shape::Circle(circle) => world::Shape::Circle((*circle).into()),
-        Shape::Polygon(polygon) => {
-            world::Shape::Polygon(polygon.corners().iter().map(|&at| at.into()).collect())
+impl SimulatedRobot {
+    /// The one that can keep to a timing.
+    pub(crate) fn for_timing(timing: Timing) -> Self {
+        match timing {
+            Timing::Limits => Self::Default,
+            Timing::Paper { .. } => Self::Paper,
         }
     }
 }
 
+/// What a simulated robot stands in.
 #[derive(Clone, Debug)]
 pub(crate) struct SimulatedWorld {
     pub(crate) world: Option<World>,
     pub(crate) start: TruePose,
     pub(crate) seed: u64,
+    /// The camera over it.
+    pub(crate) camera: Option<Stream>,
+    /// What goes wrong.
+    pub(crate) script: Option<Script>,
 }
 
 impl SimulatedWorld {
+    /// An endless, empty floor.
+    pub(crate) fn nowhere(seed: u64) -> Self {
+        Self { world: None, start: TruePose::default(), seed, camera: None, script: None }
+    }
+
     /// The world of `scene`, with the robot at `start`.
     pub(crate) fn new(scene: &Scene, start: Pose, seed: u64) -> Self {
-        let world = World {
-            size: [scene.arena.width, scene.arena.height],
-            shapes: scene
-                .obstacles
-                .iter()
-                .map(|obstacle| true_shape(&obstacle.footprint))
-                .collect(),
-            robot_radius: scene.robot_radius,
-        };
-        let start = TruePose { x: start.position.x, y: start.position.y, heading: start.heading };
-        Self { world: Some(world), start, seed }
+        Self { world: Some(scene.into()), start: start.into(), seed, camera: None, script: None }
     }
 
     /// `firmware` on `base` in this world.
     pub(crate) fn with<B: Firmware>(self, firmware: B, base: BaseParameters) -> Simulation<B> {
-        Simulation::new(firmware, WheeledBase::new(base, self.start), self.world)
+        let base = WheeledBase::new(base, self.start);
+        let mut simulation = Simulation::new(firmware, base, self.world);
+        if let Some(camera) = self.camera {
+            simulation = simulation.with_camera(camera);
+        }
+        if let Some(script) = self.script {
+            simulation.run_script(script);
+        }
+        simulation
     }
 
     fn robot(self, robot: SimulatedRobot) -> Simulation<InProcess> {
@@ -221,12 +275,13 @@ pub(crate) fn open(
     robot: SimulatedRobot,
 ) -> Result<Box<dyn Endpoint>, CliError> {
     if name == "sim" {
-        return Ok(Box::new(Simulated(simulated.robot(robot))));
+        return Ok(Box::new(simulated.robot(robot)));
     }
     if let Some(elf) = name.strip_prefix("elf:") {
         let base = BaseParameters::seeded(simulated.seed);
-        return Ok(Box::new(Simulated(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base))));
+        return Ok(Box::new(simulated.with(EmulatedPico::spawn(Path::new(elf))?, base)));
     }
     let wire = Reopening::open(name)?;
-    Ok(Box::new(RealPort { name: name.to_owned(), wire, opened: Instant::now() }))
+    let desk = StopDesk::open(name);
+    Ok(Box::new(RealPort { name: name.to_owned(), wire, opened: Instant::now(), _desk: desk }))
 }

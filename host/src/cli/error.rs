@@ -1,10 +1,13 @@
 //! What the command line says when something fails: what, why, and what to type next.
 
+use super::port_rights::join_group;
 use hil_sim::emulator::EmulatorError;
-use protocol::message::Fault;
-use serde_json::json;
+use miette::Diagnostic;
+use serde_json::{Map, Value, json};
 use std::fmt::Display;
+use std::path::Path;
 use wmr::calibration::CalibrationError;
+use wmr::document::{Failure, FailureDocument};
 use wmr::link::LinkError;
 use wmr::link::mission::MissionError;
 use wmr::link::parameters::ParameterError;
@@ -44,7 +47,7 @@ pub(crate) struct CliError {
     pub(crate) message: String,
     pub(crate) help: String,
     /// What else programs can use: fields beside the message.
-    pub(crate) details: Option<serde_json::Value>,
+    pub(crate) details: Map<String, Value>,
     /// The command's document is printed already: a second one would break `--json`.
     pub(crate) after_result: bool,
 }
@@ -56,48 +59,59 @@ impl CliError {
             code: code.into(),
             message: message.to_string(),
             help: help.to_string(),
-            details: None,
+            details: Map::new(),
             after_result: false,
         }
     }
 
-    /// An error of the library: its text says what, and after a semicolon what to do.
-    pub(crate) fn advised(exit: Exit, code: &str, error: &impl Display, help: &str) -> Self {
-        let text = error.to_string();
-        match text.split_once("; ") {
-            Some((message, advice)) => Self::new(exit, code, message, advice),
-            None => Self::new(exit, code, text, help),
+    /// An error of the library, with the help that it carries.
+    pub(crate) fn of(exit: Exit, code: &str, error: &impl Diagnostic) -> Self {
+        match error.help() {
+            Some(help) => Self::new(exit, code, error, help),
+            None => Self::new(exit, code, error, "wmr doctor looks for what is wrong here"),
         }
+    }
+
+    /// The same, said of the file in which it was found.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        Self { message: format!("{}: {}", path.display(), self.message), ..self }
     }
 
     pub(crate) fn usage(message: impl Display, help: impl Display) -> Self {
         Self::new(Exit::Usage, "usage", message, help)
     }
 
+    /// The two lines that a person reads.
+    pub(crate) fn text(&self) -> String {
+        let Self { code, message, help, .. } = self;
+        format!("error[{code}]: {message}\nhelp: {help}")
+    }
+
     /// The document that `--json` prints.
-    pub(crate) fn json(&self) -> serde_json::Value {
-        let mut error = json!({"code": self.code, "message": self.message, "help": self.help});
-        if let (Some(serde_json::Value::Object(details)), Some(fields)) =
-            (&self.details, error.as_object_mut())
-        {
-            details.iter().for_each(|(name, value)| {
-                fields.entry(name.clone()).or_insert_with(|| value.clone());
-            });
+    pub(crate) fn document(&self) -> FailureDocument {
+        FailureDocument { error: self.failure() }
+    }
+
+    /// What the document holds.
+    pub(crate) fn failure(&self) -> Failure {
+        Failure {
+            code: self.code.clone(),
+            message: self.message.clone(),
+            help: self.help.clone(),
+            details: self.details.clone(),
         }
-        json!({ "error": error })
     }
 }
 
 impl From<VisionError> for CliError {
     fn from(error: VisionError) -> Self {
-        let help = "take another photo, or describe the arena in a scene file";
-        Self::advised(Exit::File, "photo", &error, help)
+        Self::of(Exit::File, "photo", &error)
     }
 }
 
 impl From<SceneError> for CliError {
     fn from(error: SceneError) -> Self {
-        Self::advised(Exit::File, "scene", &error, "see the README for the scene format")
+        Self::of(Exit::File, "scene", &error)
     }
 }
 
@@ -105,7 +119,7 @@ impl From<PlanFileError> for CliError {
     fn from(error: PlanFileError) -> Self {
         let exit =
             if matches!(error, PlanFileError::Touches { .. }) { Exit::NoPath } else { Exit::File };
-        Self::advised(exit, "plan.file", &error, "plan again with wmr plan")
+        Self::of(exit, "plan.file", &error)
     }
 }
 
@@ -120,100 +134,65 @@ impl From<PlanError> for CliError {
             | PlanError::Areas { .. } => Exit::Usage,
             _ => Exit::NoPath,
         };
-        let help = "move an obstacle, or try a smaller --radius or --margin";
         let details = plan_details(&error);
-        Self { details, ..Self::advised(exit, &format!("plan.{}", error.code()), &error, help) }
+        Self { details, ..Self::of(exit, &format!("plan.{}", error.code()), &error) }
     }
 }
 
 /// The numbers behind a plan's failure; obstacles are counted from 0, as in the scene, and the border
 /// is `null`.
-fn plan_details(error: &PlanError) -> Option<serde_json::Value> {
-    match error {
+fn plan_details(error: &PlanError) -> Map<String, Value> {
+    let (name, value) = match error {
         PlanError::NoPath { gap: Some(gap) } => {
             let between = gap.between.map(|side| match side {
                 Side::Obstacle(index) => json!(index),
                 Side::Border => json!(null),
             });
-            Some(json!({"gap": {"width": gap.width, "need": gap.need, "between": between}}))
+            ("gap", json!({"width": gap.width, "need": gap.need, "between": between}))
         }
-        PlanError::Blocked { nearest: Some(nearest), .. } => Some(json!({"nearest": nearest})),
-        _ => None,
-    }
+        PlanError::Blocked { nearest: Some(nearest), .. } => ("nearest", json!(nearest)),
+        _ => return Map::new(),
+    };
+    Map::from_iter([(name.to_owned(), value)])
 }
 
 impl From<PortError> for CliError {
     fn from(error: PortError) -> Self {
-        let (code, help) = match &error {
-            PortError::Missing { .. } => (
-                "port.missing",
-                "wmr ports lists what is there; without a robot: --port sim".to_owned(),
-            ),
-            PortError::Busy { .. } => (
-                "port.busy",
-                "close the other program (a serial monitor? a second wmr? press Ctrl-C there); to stop the robot at once pull its cable: it stops within 0.3 s of silence".to_owned(),
-            ),
-            PortError::Denied { .. } => {
-                ("port.denied", "sudo usermod -aG dialout $USER, then log out and in".to_owned())
+        let code = match &error {
+            // Only this computer knows which group may open the device.
+            PortError::Denied { name } => {
+                return Self::new(Exit::Port, "port.denied", &error, join_group(name));
             }
-            PortError::NotOne { found: 0, .. } => (
-                "port.none",
-                "plug the robot in with a data cable, or try without one: --port sim".to_owned(),
-            ),
-            PortError::NotOne { .. } => {
-                ("port.several", "choose one with --port; wmr ports lists them".to_owned())
-            }
-            PortError::BootLoader { .. } => (
-                "port.boot_loader",
-                "plug it in again without holding BOOTSEL, or copy target/firmware/pico.uf2 onto its drive"
-                    .to_owned(),
-            ),
-            PortError::Other { .. } => ("port.other", "wmr ports lists what is there".to_owned()),
+            PortError::Missing { .. } | PortError::NobodyListens { .. } => "port.missing",
+            PortError::Busy { .. } => "port.busy",
+            PortError::NotOne { found: 0, .. } => "port.none",
+            PortError::NotOne { .. } => "port.several",
+            PortError::BootLoader { .. } => "port.boot_loader",
+            PortError::Other { .. } => "port.other",
         };
-        Self::new(Exit::Port, code, error, help)
+        Self::of(Exit::Port, code, &error)
     }
 }
 
 impl From<EmulatorError> for CliError {
     fn from(error: EmulatorError) -> Self {
-        Self::advised(Exit::Port, "port.elf", &error, "build the firmware with firmware/build")
+        Self::of(Exit::Port, "port.elf", &error)
     }
 }
 
 impl From<LinkError> for CliError {
     fn from(error: LinkError) -> Self {
-        let (code, help) = match &error {
-            LinkError::Port(_) | LinkError::Lost(_) => {
-                ("link.lost", "check the cable, then drive again")
-            }
-            LinkError::NoResponse(_) => (
-                "link.silent",
-                "is it the right port, and does a robot with wmr firmware listen there?",
-            ),
-            LinkError::NoAck(_) => (
-                "link.deaf",
-                "check the wire from this computer to the robot (its RX pin), then drive again",
-            ),
-            LinkError::NotARobot { .. } => (
-                "link.not_a_robot",
-                "another device or another firmware answers there; wmr ports lists what is there",
-            ),
-            LinkError::Version { .. } => {
-                ("link.version", "flash the firmware that belongs to this program")
-            }
-            LinkError::NoAnswer(_) | LinkError::NoTelemetry(_) => (
-                "link.no_answer",
-                "unplug the robot and plug it in again; if that does not help, flash its firmware anew",
-            ),
-            LinkError::ClockStopped(_) => (
-                "link.clock_stopped",
-                "something repeats old words; unplug the robot and plug it in again",
-            ),
-            LinkError::Restarted(_) => {
-                ("link.restarted", "check its battery, put it at the start, and drive again")
-            }
+        let code = match &error {
+            LinkError::Port(_) | LinkError::Lost(_) => "link.lost",
+            LinkError::NoResponse(_) => "link.silent",
+            LinkError::NoAck(_) => "link.deaf",
+            LinkError::NotARobot { .. } => "link.not_a_robot",
+            LinkError::Version { .. } => "link.version",
+            LinkError::NoAnswer(_) | LinkError::NoTelemetry(_) => "link.no_answer",
+            LinkError::ClockStopped(_) => "link.clock_stopped",
+            LinkError::Restarted(_) => "link.restarted",
         };
-        Self::new(Exit::Link, code, error, help)
+        Self::of(Exit::Link, code, &error)
     }
 }
 
@@ -221,83 +200,38 @@ impl From<ParameterError> for CliError {
     fn from(error: ParameterError) -> Self {
         match error {
             ParameterError::Link(error) => error.into(),
-            ParameterError::Refused(_) => {
-                let help = "nothing has changed; wmr params shows all numbers and their ranges";
-                Self::advised(Exit::Robot, "robot.refused", &error, help)
-            }
+            ParameterError::Refused(_) => Self::of(Exit::Robot, "robot.refused", &error),
         }
     }
 }
 
 impl From<CalibrationError> for CliError {
     fn from(error: CalibrationError) -> Self {
-        let help = "the robot keeps its old lengths; calibrate again";
-        Self::advised(Exit::Robot, "calibrate", &error, help)
+        Self::of(Exit::Robot, "calibrate", &error)
     }
 }
 
 impl From<MissionError> for CliError {
     fn from(error: MissionError) -> Self {
-        match error {
-            MissionError::Link(error) => error.into(),
-            MissionError::Refused(_) | MissionError::TooManyLegs { .. } => Self::new(
-                Exit::Robot,
-                "robot.refused",
-                error,
-                "nothing has moved; change the plan and drive again",
-            ),
-            MissionError::Fault { fault: Fault::Encoder, .. } => Self::new(
-                Exit::Robot,
-                "robot.fault",
-                error,
-                "put it on a block and run wmr check base, which finds wires that are crossed or reversed; see that counts-per-turn is right in wmr params, and watch the counts in wmr monitor",
-            ),
-            MissionError::Fault { .. } => Self::new(
-                Exit::Robot,
-                "robot.fault",
-                error,
-                "free the robot, put it at the start, and drive again",
-            ),
-            MissionError::BatteryEmpty { .. } => Self::new(
-                Exit::Robot,
-                "robot.battery",
-                error,
-                "charge it or change the cells; wmr params shows battery-stop, the voltage that counts as empty",
-            ),
-            MissionError::NotDriving { .. } | MissionError::NeverRests(_) => Self::new(
-                Exit::Robot,
-                "robot.not_driving",
-                error,
-                "look at the robot; wmr stop and then wmr drive begin anew",
-            ),
-            MissionError::Late { .. } => Self::new(
-                Exit::Link,
-                "robot.late",
-                error,
-                "look for wheels that slip or drag and for a weak battery; drive more slowly with wmr params speed=0.2",
-            ),
-            MissionError::Disagrees { .. } | MissionError::Impossible(_) => Self::new(
-                Exit::Robot,
-                "robot.contradiction",
-                error,
-                "look where the robot really stands before you drive again; flash its firmware anew if this repeats",
-            ),
-            MissionError::Unfit(_) => Self::new(
-                Exit::Robot,
-                "robot.unfit",
-                error,
-                "nothing has moved; set its numbers with wmr params, or flash its firmware anew",
-            ),
-            MissionError::Cancelled { .. } => {
-                Self::new(Exit::Robot, "robot.cancelled", error, "drive the rest with another plan")
+        let (exit, code) = match error {
+            MissionError::Link(error) => return error.into(),
+            MissionError::Refused(_) | MissionError::TooManyLegs { .. } => {
+                (Exit::Robot, "robot.refused")
             }
-            MissionError::Stopped => Self::new(
-                Exit::Robot,
-                "robot.stopped",
-                error,
-                "put it at the start and drive again",
-            ),
-        }
+            MissionError::Fault { .. } => (Exit::Robot, "robot.fault"),
+            MissionError::BatteryEmpty { .. } => (Exit::Robot, "robot.battery"),
+            MissionError::NotDriving { .. } | MissionError::NeverRests(_) => {
+                (Exit::Robot, "robot.not_driving")
+            }
+            MissionError::Late { .. } => (Exit::Link, "robot.late"),
+            MissionError::Disagrees { .. } | MissionError::Impossible(_) => {
+                (Exit::Robot, "robot.contradiction")
+            }
+            MissionError::Unfit(_) => (Exit::Robot, "robot.unfit"),
+            MissionError::Cancelled { .. } => (Exit::Robot, "robot.cancelled"),
+            MissionError::Stopped => (Exit::Robot, "robot.stopped"),
+        };
+        Self::of(exit, code, &error)
     }
 }
 
@@ -323,21 +257,43 @@ mod tests {
         }
     }
 
+    /// What only a device can bring about is in the guide as it is said here.
+    #[test]
+    fn the_guide_shows_what_is_said_of_devices() {
+        let guide = include_str!("../../book/src/mistakes.md");
+        // On a computer with a robot, the guide's device may belong to another group.
+        let name = || "/dev/ttyNoRobot".to_owned();
+        let (robot, host) = ((3, 0x1234_5678_9abc_def0), (4, 0x0fed_cba9_8765_4321));
+        let errors: [CliError; 5] = [
+            PortError::Denied { name: name() }.into(),
+            PortError::Busy { name: name() }.into(),
+            PortError::BootLoader { name: "the robot".into() }.into(),
+            LinkError::Version { firmware: [0, 1, 0], robot, host }.into(),
+            LinkError::Lost(std::time::Duration::from_secs(30)).into(),
+        ];
+        for error in errors {
+            let shown = format!("? {}\n{}\n```", error.exit as u8, error.text());
+            let shown = shown.replace("ttyNoRobot", "ttyACM0");
+            assert!(guide.contains(&shown), "{shown}");
+        }
+    }
+
     #[test]
     fn programs_get_the_numbers_of_a_gap() {
         let between = [Side::Obstacle(2), Side::Border];
         let gap = wmr::plan::Gap { width: 0.11, need: 0.15, between };
-        let document = CliError::from(PlanError::NoPath { gap: Some(gap) }).json();
+        let document = CliError::from(PlanError::NoPath { gap: Some(gap) }).failure();
         let gap = json!({"width": 0.11, "need": 0.15, "between": [2, null]});
-        assert_eq!(document["error"]["gap"], gap);
-        assert_eq!(document["error"]["code"], "plan.no_path");
+        assert_eq!(document.details["gap"], gap);
+        assert_eq!(document.code, "plan.no_path");
     }
 
     #[test]
-    fn advice_stands_after_the_semicolon() {
+    fn what_and_why_is_told_from_what_to_do() {
         let error = CliError::from(PlanError::NoPath { gap: None });
         assert_eq!(error.exit, Exit::NoPath);
         assert_eq!(error.code, "plan.no_path");
-        assert!(!error.help.is_empty() && !error.message.contains(';'), "{error:?}");
+        let why = "no way leads from the start to the goal: obstacles that touch each other or the border shut it off";
+        assert_eq!([error.message.as_str(), &error.help], [why, "move one of them"]);
     }
 }

@@ -1,12 +1,13 @@
-//! `wmr export`: an arena as a grid map for other programs, ROS or Moving AI.
+//! `wmr export`: an arena as a grid map for other programs, ROS or Moving AI; a drive as a table.
 
 use super::args::ExportArgs;
 use super::error::CliError;
 use super::folder::write_named;
 use super::input::{self, Input, Sight};
+use super::log;
 use super::output::Output;
-use serde_json::json;
 use std::path::PathBuf;
+use wmr::document::{ExportDocument, TableDocument};
 use wmr::map::CellMap;
 use wmr::scene::Scene;
 
@@ -21,8 +22,11 @@ const CELL_LIMIT: f64 = 100e6;
 
 /// `wmr export`.
 pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
-    let map = cells(args, output)?;
     let ending = args.output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    if ending == "csv" {
+        return run_table(args, output);
+    }
+    let map = cells(args, output)?;
     let files: Vec<PathBuf> = match ending {
         "yaml" | "yml" => {
             let picture = args.output.with_extension("pgm");
@@ -42,25 +46,29 @@ pub(crate) fn run(args: &ExportArgs, output: Output) -> Result<(), CliError> {
             let message = format!("{} says no format", args.output.display());
             return Err(CliError::usage(
                 message,
-                "write -o NAME.yaml for ROS, -o NAME.map for Moving AI",
+                "write -o NAME.yaml for ROS, -o NAME.map for Moving AI, -o NAME.csv for a drive's table",
             ));
         }
     };
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    let document = json!({
-        "files": names,
-        "columns": map.columns,
-        "rows": map.rows,
-        "resolution": map.resolution,
-    });
-    let text = format!(
-        "{} × {} cells of {} m: {}\n",
-        map.columns,
-        map.rows,
-        map.resolution,
-        names.join(", ")
-    );
+    let CellMap { columns, rows, resolution, .. } = map;
+    let text = format!("{columns} × {rows} cells of {resolution} m: {}\n", names.join(", "));
+    let document = ExportDocument { files: names, columns, rows, resolution };
     output.result(&document, &text)
+}
+
+/// A drive as a table.
+fn run_table(args: &ExportArgs, output: Output) -> Result<(), CliError> {
+    let path = if args.input.is_dir() { args.input.join(log::RUN) } else { args.input.clone() };
+    let run = log::read_run(&path)?;
+    let is_table = |older: &[u8]| older.starts_with(b"t_s,");
+    write_named(&args.output, run.to_csv().as_bytes(), "table of a drive", is_table)?;
+    let name = args.output.display().to_string();
+    let text = format!("{} rows, {:.1} s: {name}\n", run.lines.len(), run.duration());
+    output.result(
+        &TableDocument { files: vec![name], rows: run.lines.len(), duration: run.duration() },
+        &text,
+    )
 }
 
 /// A map's own cells, or those that an arena's obstacles touch.

@@ -3,9 +3,11 @@
 use super::args::{MethodName, VisionArgs};
 use super::error::{CliError, Exit};
 use super::output::Output;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use wmr::geometry::{Arena, Pose};
 use wmr::map::{CellMap, MapError, RosHead};
@@ -64,7 +66,7 @@ pub(crate) fn read(
             Exit::File,
             "file.empty",
             format!("{} is empty", path.display()),
-            "give a photo (PNG or JPEG), a scene or a plan",
+            "give a photo, a scene or a plan",
         )),
         // YAML may be written like JSON.
         Some(b'{') if !is_yaml(path) => read_json(path, &bytes),
@@ -90,6 +92,22 @@ fn without_byte_order_mark(bytes: Vec<u8>) -> Vec<u8> {
     }
 }
 
+/// What was read, so that nothing is written over it.
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// From now on that file is not written over. What has no place of its own, such as a pipe, cannot be.
+pub(crate) fn remember(path: &Path) {
+    if let Ok(path) = std::fs::canonicalize(path) {
+        READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+    }
+}
+
+/// Whether this program has read that file.
+pub(crate) fn was_read(path: &Path) -> bool {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    std::fs::canonicalize(path).is_ok_and(|path| read.contains(&path))
+}
+
 /// Reads a file of bounded size.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     let failed = |error: std::io::Error| {
@@ -109,6 +127,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
         let message = format!("{name} has more than {most} MB");
         return Err(CliError::new(Exit::File, "file.size", message, "scale the picture down"));
     }
+    remember(path);
     Ok(bytes)
 }
 
@@ -120,7 +139,7 @@ pub(crate) fn read_cells(
     output: Output,
 ) -> Result<Option<CellMap>, CliError> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    let failed = |error| map_error(path, &error);
+    let failed = |error: MapError| CliError::of(Exit::File, "map", &error).in_file(path);
     let cells = match ending {
         "map" if resolution <= 0.0 => {
             return Err(CliError::usage("a cell has no size", "give --resolution above 0, metres"));
@@ -157,15 +176,6 @@ fn read_map_picture(map: &Path, image: &str, output: Output) -> Result<Vec<u8>, 
     read_bytes(&named)
 }
 
-fn map_error(path: &Path, error: &MapError) -> CliError {
-    CliError::new(
-        Exit::File,
-        "map",
-        format!("{}: {error}", path.display()),
-        "give a Moving AI .map file, or the .yaml file of a ROS map beside its picture",
-    )
-}
-
 fn read_json(path: &Path, bytes: &[u8]) -> Result<Input, CliError> {
     let not_json = |error: &dyn std::fmt::Display| {
         CliError::new(
@@ -199,9 +209,7 @@ pub(crate) fn arena_of(args: &VisionArgs) -> Result<Arena, CliError> {
 
 /// Decodes a photo and finds what is in it.
 pub(crate) fn see(bytes: Vec<u8>, args: &VisionArgs, sight: Sight) -> Result<SeenPhoto, CliError> {
-    let camera_file = args.camera.as_deref().map(read_camera).transpose()?;
-    let empty = empty_picture(args, camera_file.as_ref())?;
-    see_with(bytes, args, sight, (camera_file.map(|file| file.main), empty))
+    see_with(bytes, args, sight, camera_and_empty(args)?)
 }
 
 /// The same with a camera that is known already, and the file with the picture of the empty arena.
@@ -215,14 +223,34 @@ pub(crate) fn see_with(
     let photo = vision::decode(&bytes)?;
     let decode_time = started.elapsed();
     let arena = arena_of(args)?;
-    let options = DetectOptions {
+    let options = detect_options(args, sight, (camera, empty.as_deref()))?;
+    let started = Instant::now();
+    let detection = vision::detect(&photo, arena, &options)?;
+    Ok(SeenPhoto { bytes, arena, empty, detection, decode_time, detect_time: started.elapsed() })
+}
+
+/// What `args` say of how a photo is to be looked at.
+pub(crate) fn detect_options(
+    args: &VisionArgs,
+    sight: Sight,
+    (camera, empty): (Option<Camera>, Option<&Path>),
+) -> Result<DetectOptions, CliError> {
+    let usual = DetectOptions::default();
+    let mount = args.robot_tag_at.map(|at| Pose {
+        position: at.position,
+        heading: at.heading.unwrap_or(usual.robot_tag_mount.heading),
+    });
+    Ok(DetectOptions {
         method: match args.method {
             MethodName::Robust => Method::Robust,
             MethodName::Paper => Method::Paper,
         },
         corners: args.corners,
+        origin: args.origin.map(Into::into),
         tags: args.tags.map(Into::into),
         robot_tag: args.robot_tag,
+        robot_tag_mount: mount.unwrap_or(usual.robot_tag_mount),
+        robot_height: args.robot_height.unwrap_or(usual.robot_height),
         goal_tag: args.goal_tag,
         robot_at: sight
             .start
@@ -232,12 +260,18 @@ pub(crate) fn see_with(
         robot_radius: sight.radius.unwrap_or(DEFAULT_ROBOT_RADIUS),
         keep_steps: sight.keep_steps,
         camera,
-        empty: empty.as_deref().map(read_picture).transpose()?,
-        ..DetectOptions::default()
-    };
-    let started = Instant::now();
-    let detection = vision::detect(&photo, arena, &options)?;
-    Ok(SeenPhoto { bytes, arena, empty, detection, decode_time, detect_time: started.elapsed() })
+        empty: empty.map(read_picture).transpose()?,
+        ..usual
+    })
+}
+
+/// The camera and the empty picture that `args` name.
+pub(crate) fn camera_and_empty(
+    args: &VisionArgs,
+) -> Result<(Option<Camera>, Option<PathBuf>), CliError> {
+    let file = args.camera.as_deref().map(read_camera).transpose()?;
+    let empty = empty_picture(args, file.as_ref())?;
+    Ok((file.map(|file| file.main), empty))
 }
 
 /// Which picture of the empty arena is used: the one given, else the one that the camera file names.
@@ -260,10 +294,7 @@ fn empty_picture(
 /// A second picture; an error names it.
 pub(crate) fn read_picture(path: &Path) -> Result<Photo, CliError> {
     let bytes = read_bytes(path)?;
-    vision::decode(&bytes).map_err(|error| {
-        let error = CliError::from(error);
-        CliError { message: format!("{}: {}", path.display(), error.message), ..error }
-    })
+    vision::decode(&bytes).map_err(|error| CliError::from(error).in_file(path))
 }
 
 /// A camera file: the camera stands under `main`.

@@ -6,19 +6,24 @@ use super::output::Output;
 use super::params;
 use super::resume::Memory;
 use super::run::{Driven, Run, RunClock, count_of_legs};
-use super::stop_desk::StopDesk;
+use super::{ports, stop_desk};
 use protocol::message::{Board, Identity, RobotHello, State, Telemetry};
-use protocol::motion::{self, Leg, Limits, WheelSpeeds};
+use protocol::motion::{Leg, Limits, WheelSpeeds};
 use protocol::parameters::Wiring;
 use std::sync::atomic::{AtomicBool, Ordering};
-use wmr::geometry::{Point, Pose};
-use wmr::legs::from_wire;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::time::Duration;
+use wmr::geometry::Pose;
+use wmr::legs::{from_wire, to_wire};
 use wmr::link::drive::{DriveError, DriveEvent, REPLUG_TIMEOUT, STOP_TIMEOUT, wait_for};
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
 use wmr::link::parameters::{Answer, Exchange, ParameterError, Request};
 use wmr::link::port::PortError;
 use wmr::link::standing::{self, Tolerance};
 use wmr::link::{self, LinkClient, LinkError, check_robot};
+
+/// While a person types, a stop is looked for so often.
+const LINE_INTERVAL: Duration = Duration::from_millis(20);
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -31,6 +36,38 @@ pub(crate) fn catch_interrupts() {
 /// Whether Ctrl-C was pressed.
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Whether whatever goes on is to end: by Ctrl-C, or because another program wants the robot stopped.
+pub(crate) fn stop_wanted() -> bool {
+    interrupted() || stop_desk::asked()
+}
+
+/// Does `work` with the robot behind that port; a robot that another program wants stopped is stopped then.
+pub(crate) fn with_robot(
+    port: &str,
+    work: impl FnOnce(&mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    catch_interrupts();
+    let mut client = ports::open_client(port)?;
+    let result = work(&mut client);
+    finish(&mut client, result)
+}
+
+/// The end of `result`: if another program has asked for a stop, the robot is stopped and that program told.
+pub(crate) fn finish<T>(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    result: Result<T, CliError>,
+) -> Result<T, CliError> {
+    if !stop_desk::asked() {
+        return result;
+    }
+    link::drive::stop(client, || false)?;
+    stop_desk::confirm();
+    match result {
+        Err(_) if !interrupted() => Err(MissionError::Stopped.into()),
+        result => result,
+    }
 }
 
 /// Whether a mission goes on where it was cut short.
@@ -64,7 +101,18 @@ pub(crate) fn drive(
     catch_interrupts();
     let nonce = endpoint.nonce();
     let mut client = LinkClient::new(endpoint, nonce);
-    let robot = connect(&mut client)?;
+    let result = drive_on(&mut client, beginning, legs, resume, output);
+    finish(&mut client, result)
+}
+
+fn drive_on(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    beginning: Beginning,
+    legs: impl Fn(&Limits) -> Vec<Leg>,
+    resume: Resume,
+    output: Output,
+) -> Result<Driven, CliError> {
+    let robot = connect(client)?;
     client.check_protocol()?;
     check_robot(&robot)?;
     let limits = robot.limits;
@@ -75,25 +123,21 @@ pub(crate) fn drive(
         run.truth = client.port_mut().truth();
         return Ok(Driven { run, error: None });
     }
-    let identity = identify(&mut client)?;
-    warn_of_wiring(&mut client, identity, output)?;
-    let memory = if resume == Resume::Never {
-        Memory::none()
-    } else {
-        Memory::of(&mut client, &legs, identity)
-    };
+    let identity = identify(client)?;
+    warn_of_wiring(client, identity, output)?;
+    let memory =
+        if resume == Resume::Never { Memory::none() } else { Memory::of(client, &legs, identity) };
     let mut mission = if resume == Resume::Wanted {
         client.check_protocol()?;
-        wait_for_pose(&mut client)?;
-        let (mission, first) = memory.take_up(&client, legs, output)?;
+        wait_for_pose(client)?;
+        let (mission, first) = memory.take_up(client, legs, output)?;
         run.first = first;
         mission
     } else {
-        let start = begin(&mut client, identity, beginning)?;
+        let start = begin(client, identity, beginning)?;
         Mission::new(legs, to_wire(start))
     };
-    let desk = client.port_mut().name().map(StopDesk::open);
-    let result = follow(&mut client, &mut mission, &mut run, (&memory, desk.as_ref()), output);
+    let result = follow(client, &mut mission, &mut run, &memory, output);
     let begun = mission.has_begun();
     if begun && result.is_err() {
         memory.note(mission.progress(), output);
@@ -111,9 +155,9 @@ pub(crate) fn drive(
 }
 
 /// Which robot it is; one that does not answer is nobody known.
-fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliError> {
+pub(super) fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliError> {
     let mut exchange = Exchange::new(Request::Identify);
-    let answer = wait_for(client, interrupted, |client, now| match exchange.step(client, now) {
+    let answer = wait_for(client, stop_wanted, |client, now| match exchange.step(client, now) {
         Err(ParameterError::Link(LinkError::NoAnswer(_))) => {
             Ok(Some(Answer::Identity(Identity::default())))
         }
@@ -126,7 +170,7 @@ fn identify(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Identity, CliE
 }
 
 /// What the wheels' own counts cannot show is said before a board drives that nobody has checked.
-fn warn_of_wiring(
+pub(super) fn warn_of_wiring(
     client: &mut LinkClient<Box<dyn Endpoint>>,
     identity: Identity,
     output: Output,
@@ -157,21 +201,10 @@ fn begin(
     wait_for_pose(client)?;
     let Some(telemetry) = client.telemetry() else { return Ok(start) };
     let stands = from_wire(telemetry.pose);
-    standing::check(stands, start, tolerance).map_err(|error| {
-        let Pose { position: Point { x, y }, heading } = stands;
-        let help = format!(
-            "plan anew from where it stands, with --start {x:.3},{y:.3},{:.1}; or, if it was carried back to the plan's start, say --from-start",
-            heading.to_degrees()
-        );
-        CliError::new(Exit::Robot, "robot.elsewhere", error, help)
-    })?;
+    standing::check(stands, start, tolerance)
+        .map_err(|error| CliError::of(Exit::Robot, "robot.elsewhere", &error))?;
     // A photo is newer than what the wheels have counted; a written start is not.
     Ok(if tolerance == Tolerance::WRITTEN { stands } else { start })
-}
-
-/// A pose as the wire has it.
-fn to_wire(pose: Pose) -> motion::Pose {
-    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
 }
 
 /// Drives the mission to its end, and records how.
@@ -179,15 +212,13 @@ fn follow(
     client: &mut LinkClient<Box<dyn Endpoint>>,
     mission: &mut Mission,
     run: &mut Run,
-    (memory, desk): (&Memory, Option<&StopDesk>),
+    memory: &Memory,
     output: Output,
 ) -> Result<(), CliError> {
-    let asked = || desk.is_some_and(StopDesk::asked);
     let progress = output.progress(run.legs.len() as u64);
     progress.set_position(run.first.into());
     let mut clock = RunClock::default();
-    let stop = || interrupted() || asked();
-    let result = link::drive::drive(client, mission, stop, |event, mission| {
+    let result = link::drive::drive(client, mission, stop_wanted, |event, mission| {
         match event {
         DriveEvent::PortLost => output.say(&format!(
             "the port is gone, so the robot stops and waits; plug it in again within {} s and it goes on",
@@ -206,20 +237,7 @@ fn follow(
     }
     });
     progress.finish_and_clear();
-    match result {
-        Ok(_) => Ok(()),
-        Err(DriveError::Stopped) if asked() => {
-            if let Some(desk) = desk {
-                desk.confirm();
-            }
-            Err(if interrupted() {
-                DriveError::Stopped.into()
-            } else {
-                MissionError::Stopped.into()
-            })
-        }
-        Err(error) => Err(error.into()),
-    }
+    finish(client, result.map(|_| ()).map_err(CliError::from))
 }
 
 /// Polls until the robot has said where it is; if it rolls on after a restart, where it comes to rest.
@@ -228,7 +246,7 @@ fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliEr
         telemetry.state == State::Idle && telemetry.wheels != WheelSpeeds::default()
     };
     let give_up = client.heard() + STOP_TIMEOUT;
-    let rests = wait_for(client, interrupted, |client, now| {
+    let rests = wait_for(client, stop_wanted, |client, now| {
         client.poll(now)?;
         if client.heard() > give_up {
             return Err(match client.telemetry() {
@@ -243,7 +261,7 @@ fn wait_for_pose(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<(), CliEr
 
 /// Says hello until the robot answers; who it is.
 pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<RobotHello, CliError> {
-    let robot = wait_for(client, interrupted, |client, now| {
+    let robot = wait_for(client, stop_wanted, |client, now| {
         client.poll(now)?;
         if client.port_mut().is_turned_away() {
             let name = client.port_mut().name().unwrap_or_default().to_owned();
@@ -257,11 +275,23 @@ pub(crate) fn connect(client: &mut LinkClient<Box<dyn Endpoint>>) -> Result<Robo
 /// A line that a person types while the robot rests; where the input ends instead, an error that says `why`
 /// and what to do.
 pub(crate) fn line_of_person(why: &str, help: &str) -> Result<String, CliError> {
-    let mut line = String::new();
-    match std::io::stdin().read_line(&mut line) {
-        _ if interrupted() => Err(interrupted_error("the robot rests")),
-        Ok(1..) => Ok(line.trim().to_owned()),
-        _ => Err(CliError::usage(why, help)),
+    let (sender, lines) = sync_channel(1);
+    // A read cannot be taken back: what ends the program meanwhile leaves the thread behind.
+    std::thread::spawn(move || {
+        let mut line = String::new();
+        let read = std::io::stdin().read_line(&mut line);
+        // Nobody waits for it any more.
+        let _ = sender.send(matches!(read, Ok(1..)).then_some(line));
+    });
+    loop {
+        match lines.recv_timeout(LINE_INTERVAL) {
+            _ if stop_wanted() => return Err(interrupted_error("the robot rests")),
+            Err(RecvTimeoutError::Timeout) => {}
+            Ok(Some(line)) => return Ok(line.trim().to_owned()),
+            Ok(None) | Err(RecvTimeoutError::Disconnected) => {
+                return Err(CliError::usage(why, help));
+            }
+        }
     }
 }
 
@@ -274,12 +304,7 @@ impl From<DriveError> for CliError {
         match error {
             DriveError::Mission(error) => error.into(),
             DriveError::Stopped => interrupted_error(&error.to_string()),
-            DriveError::StopUnconfirmed => Self::new(
-                Exit::Link,
-                "link.stop_unconfirmed",
-                error,
-                "look whether it stands; if it does not, pull its cable or switch off its battery",
-            ),
+            DriveError::StopUnconfirmed => Self::of(Exit::Link, "link.stop_unconfirmed", &error),
         }
     }
 }

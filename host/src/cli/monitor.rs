@@ -1,25 +1,33 @@
 //! `wmr monitor`: a robot's pose, state, wheels, counts and battery, as they are now.
 
 use super::args::MonitorArgs;
+use super::endpoint::Endpoint;
 use super::error::CliError;
 use super::output::Output;
-use super::{mission, ports, run};
+use super::{mission, run};
 use protocol::message::State;
-use serde_json::{Value, json};
 use std::time::Duration;
+use wmr::document::MonitorLine;
 use wmr::legs::from_wire;
-use wmr::link::LinkError;
 use wmr::link::drive::wait_for;
+use wmr::link::mission::MissionError;
 use wmr::link::monitor::{INTERVAL, Monitor, Sighting};
+use wmr::link::{LinkClient, LinkError};
 
 /// Where nobody reads along, a line says what is new, and so often at least what is.
 const QUIET_LINES: Duration = Duration::from_secs(1);
 
 /// `wmr monitor`.
 pub(crate) fn monitor(args: &MonitorArgs, output: Output) -> Result<(), CliError> {
-    mission::catch_interrupts();
-    let mut client = ports::open_client(&args.port)?;
-    let robot = mission::connect(&mut client)?;
+    mission::with_robot(&args.port, |client| watch(client, args, output))
+}
+
+fn watch(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    args: &MonitorArgs,
+    output: Output,
+) -> Result<(), CliError> {
+    let robot = mission::connect(client)?;
     client.check_protocol()?;
     output.say(&format!("robot: {}; Ctrl-C ends", mission::describe_robot(&robot)));
     // A simulated robot runs ahead of the clock by which a person reads.
@@ -29,8 +37,8 @@ pub(crate) fn monitor(args: &MonitorArgs, output: Output) -> Result<(), CliError
     let mut last: Option<(Duration, State)> = None;
     let mut live = output.live_line();
     let finished = |now: Duration| args.r#for.is_some_and(|span| now.saturating_sub(began) >= span);
-    while !mission::interrupted() {
-        let seen = wait_for(&mut client, mission::interrupted, |client, now| {
+    while !mission::stop_wanted() {
+        let seen = wait_for(client, mission::stop_wanted, |client, now| {
             match monitor.step(client, now)? {
                 Some(sighting) => Ok(Some((now, Some(sighting)))),
                 None if finished(now) => Ok(Some((now, None))),
@@ -42,7 +50,7 @@ pub(crate) fn monitor(args: &MonitorArgs, output: Output) -> Result<(), CliError
         let due = last.is_none_or(|(at, was)| was != state || now - at >= QUIET_LINES);
         let mut read = true;
         if output.json {
-            read = output.line(&document(&sighting).to_string())?;
+            read = output.line(&serde_json::json!(document(&sighting)).to_string())?;
         } else if live.is_shown() {
             live.show(&text(&sighting));
         } else if due {
@@ -56,25 +64,28 @@ pub(crate) fn monitor(args: &MonitorArgs, output: Output) -> Result<(), CliError
             std::thread::sleep(INTERVAL);
         }
     }
-    Ok(())
+    if mission::interrupted() || !mission::stop_wanted() {
+        return Ok(());
+    }
+    Err(MissionError::Stopped.into())
 }
 
-fn document(Sighting { telemetry, measurement }: &Sighting) -> Value {
+fn document(Sighting { telemetry, measurement }: &Sighting) -> MonitorLine {
     let fault = match telemetry.state {
         State::Faulted(fault) => Some(fault),
         _ => None,
     };
-    json!({
-        "t": f64::from(telemetry.ticks) / f64::from(protocol::motion::TICKS_PER_SECOND),
-        "state": run::state_name(telemetry.state),
-        "fault": fault,
-        "pose": from_wire(telemetry.pose),
-        "wheels": [telemetry.wheels.left, telemetry.wheels.right],
-        "leg": telemetry.leg,
-        "counts": measurement.counts,
-        "skipped": measurement.skipped,
-        "battery": measurement.battery,
-    })
+    MonitorLine {
+        t: f64::from(telemetry.ticks) / f64::from(protocol::motion::TICKS_PER_SECOND),
+        state: run::state_name(telemetry.state).into(),
+        fault,
+        pose: from_wire(telemetry.pose),
+        wheels: [telemetry.wheels.left.0, telemetry.wheels.right.0],
+        leg: telemetry.leg,
+        counts: measurement.counts,
+        skipped: measurement.skipped,
+        battery: measurement.battery,
+    }
 }
 
 fn text(Sighting { telemetry, measurement }: &Sighting) -> String {
@@ -120,7 +131,7 @@ mod tests {
         for part in ["battery is empty", "(0.300, 0.500)", "12 -7", "4.10 V", "in 0 and 3 ticks"] {
             assert!(line.contains(part), "{part}: {line}");
         }
-        assert_eq!(document(&seen)["counts"], json!([12, -7]));
-        assert_eq!(document(&seen)["t"], 1.0);
+        assert_eq!(document(&seen).counts, [12, -7]);
+        assert_eq!(document(&seen).t, 1.0);
     }
 }

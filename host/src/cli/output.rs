@@ -3,9 +3,13 @@
 use super::error::{CliError, Exit};
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Whether standard output has its document: there is never a second one.
 static HAS_DOCUMENT: AtomicBool = AtomicBool::new(false);
+
+/// How often a sign of life changes.
+const SPIN: Duration = Duration::from_millis(120);
 
 /// How a command speaks.
 #[derive(Clone, Copy, Debug)]
@@ -67,10 +71,9 @@ impl Output {
     pub(crate) fn error(self, error: &CliError) {
         if self.json && !error.after_result && !HAS_DOCUMENT.load(Ordering::Relaxed) {
             // There is no other place for it.
-            let _ = print_line(&to_json(&error.json()));
+            let _ = print_line(&to_json(&error.document()));
         } else {
-            let CliError { code, message, help, .. } = error;
-            let _ = writeln!(io::stderr(), "error[{code}]: {message}\nhelp: {help}");
+            let _ = writeln!(io::stderr(), "{}", error.text());
         }
     }
 
@@ -80,6 +83,16 @@ impl Output {
             return indicatif::ProgressBar::hidden();
         }
         indicatif::ProgressBar::new(length)
+    }
+
+    /// A sign that something goes on of which nobody knows how long it takes.
+    pub(crate) fn waiting(self, what: &str) -> indicatif::ProgressBar {
+        if self.quiet || self.json || !io::stderr().is_terminal() {
+            return indicatif::ProgressBar::hidden();
+        }
+        let bar = indicatif::ProgressBar::new_spinner().with_message(what.to_owned());
+        bar.enable_steady_tick(SPIN);
+        bar
     }
 }
 

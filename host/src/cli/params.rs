@@ -4,13 +4,13 @@ use super::args::ParamsArgs;
 use super::endpoint::Endpoint;
 use super::error::{CliError, Exit};
 use super::output::Output;
-use super::{mission, ports, quantity};
+use super::{mission, quantity};
 use protocol::parameters::{FIELDS, Parameters};
-use serde_json::{Map, Value, json};
 use std::path::Path;
-use wmr::link::LinkClient;
+use wmr::document::{ParametersDocument, shortest};
 use wmr::link::drive::wait_for;
 use wmr::link::parameters::{Answer, Exchange, Request};
+use wmr::link::{self, LinkClient};
 
 /// A number to change: its place in [`FIELDS`], and what it becomes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,24 +68,35 @@ fn checked(place: usize, value: f32) -> Result<Change, String> {
 pub(crate) fn run(args: &ParamsArgs, output: Output) -> Result<(), CliError> {
     let loaded = args.from.as_deref().map(load).transpose()?;
     let changes = loaded.is_some() || args.defaults || !args.changes.is_empty();
-    mission::catch_interrupts();
-    let mut client = ports::open_client(&args.port)?;
-    mission::connect(&mut client)?;
-    let mut parameters = read(&mut client)?;
-    if changes {
-        let first = if args.defaults { Parameters::default() } else { parameters };
-        let (from, calibration) = loaded.unwrap_or((Vec::new(), first.calibration));
-        let mut values = first.values();
-        for Change { place, value } in from.iter().chain(&args.changes) {
-            values[*place] = *value;
+    mission::with_robot(&args.port, |client| {
+        mission::connect(client)?;
+        let mut parameters = read(client)?;
+        if changes {
+            parameters = change_all(client, args, parameters, loaded)?;
         }
-        let wanted = Parameters { calibration, ..first.with_values(values) };
-        parameters = set(&mut client, wanted)?;
-        if !args.no_save {
-            keep(&mut client)?;
-        }
+        output.result(&document(&parameters, changes && !args.no_save), &table(&parameters))
+    })
+}
+
+/// Makes the changes that `args` and the `loaded` file ask for; the robot's numbers then.
+fn change_all(
+    client: &mut LinkClient<Box<dyn Endpoint>>,
+    args: &ParamsArgs,
+    parameters: Parameters,
+    loaded: Option<(Vec<Change>, u32)>,
+) -> Result<Parameters, CliError> {
+    let first = if args.defaults { Parameters::default() } else { parameters };
+    let (from, calibration) = loaded.unwrap_or((Vec::new(), first.calibration));
+    let mut values = first.values();
+    for Change { place, value } in from.iter().chain(&args.changes) {
+        values[*place] = *value;
     }
-    output.result(&document(&parameters, changes && !args.no_save), &table(&parameters))
+    let wanted = Parameters { calibration, ..first.with_values(values) };
+    let parameters = set(client, wanted)?;
+    if !args.no_save {
+        keep(client)?;
+    }
+    Ok(parameters)
 }
 
 /// The robot's numbers.
@@ -99,6 +110,17 @@ pub(crate) fn set(
     parameters: Parameters,
 ) -> Result<Parameters, CliError> {
     parameters_of(ask(client, Request::Change(parameters))?)
+}
+
+/// Gives the robot its `old` numbers back after something went wrong, also when a stop is wanted: it rests first.
+pub(crate) fn restore(client: &mut LinkClient<Box<dyn Endpoint>>, old: Parameters) {
+    if mission::stop_wanted() {
+        // One that does not say that it rests refuses the numbers.
+        let _ = link::drive::stop(client, || false);
+    }
+    let mut exchange = Exchange::new(Request::Change(old));
+    // What went wrong before is what the person is told.
+    let _ = wait_for(client, || false, |client, now| exchange.step(client, now));
 }
 
 /// Has the robot keep its numbers.
@@ -121,7 +143,7 @@ pub(crate) fn ask(
     request: Request,
 ) -> Result<Answer, CliError> {
     let mut exchange = Exchange::new(request);
-    let answer = wait_for(client, mission::interrupted, |client, now| exchange.step(client, now))?;
+    let answer = wait_for(client, mission::stop_wanted, |client, now| exchange.step(client, now))?;
     answer.ok_or_else(|| mission::interrupted_error("nothing has moved"))
 }
 
@@ -137,29 +159,21 @@ fn load(path: &Path) -> Result<(Vec<Change>, u32), CliError> {
         )
     };
     let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
-    let file: Value = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
-    let numbers = file["parameters"].as_object().ok_or_else(|| bad("no \"parameters\"".into()))?;
-    let change = |(name, value): (&String, &Value)| {
-        let value = value.as_f64().ok_or_else(|| format!("{name} is no number"))?;
-        checked(place(name)?, value as f32)
-    };
-    let changes = numbers.iter().map(change).collect::<Result<_, _>>().map_err(bad)?;
-    let calibration = file["calibration"].as_u64().and_then(|number| u32::try_from(number).ok());
-    Ok((changes, calibration.unwrap_or(0)))
+    let file: ParametersDocument =
+        serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
+    let change = |(name, value): (&String, &f64)| checked(place(name)?, *value as f32);
+    let changes = file.parameters.iter().map(change).collect::<Result<_, _>>().map_err(bad)?;
+    Ok((changes, file.calibration))
 }
 
-/// An f32 as the shortest decimal that means it: 0.035, not 0.03500000014901161.
-pub(crate) fn shortest(value: f32) -> Value {
-    value.to_string().parse::<f64>().map_or(Value::Null, Value::from)
-}
-
-fn document(parameters: &Parameters, saved: bool) -> Value {
-    let numbers: Map<String, Value> = FIELDS
-        .iter()
-        .zip(parameters.values())
-        .map(|(field, value)| (field.name.to_owned(), shortest(value)))
-        .collect();
-    json!({"parameters": numbers, "calibration": parameters.calibration, "saved": saved})
+/// The document of `wmr params --json`.
+fn document(parameters: &Parameters, saved: bool) -> ParametersDocument {
+    let numbers = FIELDS.iter().zip(parameters.values());
+    ParametersDocument {
+        parameters: numbers.map(|(field, value)| (field.name.into(), shortest(value))).collect(),
+        calibration: parameters.calibration,
+        saved,
+    }
 }
 
 fn table(parameters: &Parameters) -> String {
@@ -191,7 +205,7 @@ mod tests {
 
     #[test]
     fn numbers_are_printed_as_they_were_typed() {
-        assert_eq!(shortest(0.035).to_string(), "0.035");
-        assert_eq!(shortest(1440.0).to_string(), "1440.0");
+        assert_eq!(serde_json::json!(shortest(0.035)).to_string(), "0.035");
+        assert_eq!(serde_json::json!(shortest(1440.0)).to_string(), "1440.0");
     }
 }

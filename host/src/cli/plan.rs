@@ -38,6 +38,7 @@ pub(crate) fn run(args: &PlanArgs, output: Output) -> Result<(), CliError> {
         let folder = Folder::create(folder)?;
         folder.input(&input, way.file.scene.robot_radius)?;
         folder.plan(&way)?;
+        folder.index("A way of wmr")?;
     }
     output.result(&way.file, &describe_way(&way))
 }

@@ -57,11 +57,10 @@ pub(crate) fn focal(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("{text:?} is no focal length; write pixels of the photo, 10 to 1e6"))
 }
 
-/// How many times as fast as the clock a simulation runs: 0.1 to 100.
-#[cfg(feature = "dashboard")]
+/// How many times as fast as the clock something runs: 0.1 to 100.
 pub(crate) fn speed(text: &str) -> Result<f64, String> {
     let value = finite(text).filter(|value| (0.1..=100.0).contains(value));
-    value.ok_or_else(|| format!("{text:?} is no speed of a simulation; write 0.1 to 100"))
+    value.ok_or_else(|| format!("{text:?} is no speed; write how many times as fast, 0.1 to 100"))
 }
 
 /// An angle in radians from `90`, `90deg` or `1.57rad`.
@@ -106,6 +105,18 @@ pub(crate) fn percents(text: &str) -> Result<[f64; 3], String> {
         .ok_or_else(|| format!("{text:?}: write three percentages up to 5, such as 1,0.5,2"))
 }
 
+/// How old a camera's picture is by the time that its source gives, seconds: up to 2.
+pub(crate) fn camera_delay(text: &str) -> Result<f64, String> {
+    let value = scaled(text, &SECONDS, SECONDS[0].1).filter(|value| (0.0..=2.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no delay; write seconds from 0 to 2"))
+}
+
+/// How long a robot waits for a way, seconds: up to an hour.
+pub(crate) fn patience(text: &str) -> Result<f64, String> {
+    let value = scaled(text, &SECONDS, SECONDS[0].1).filter(|value| (1.0..=3600.0).contains(value));
+    value.ok_or_else(|| format!("{text:?}: write seconds from 1 to 3600"))
+}
+
 /// A step of simulated time, seconds: 0.1 ms to 100 ms.
 pub(crate) fn step(text: &str) -> Result<f64, String> {
     let value = scaled(text, &SECONDS, SECONDS[0].1).filter(|value| (1e-4..=0.1).contains(value));
@@ -114,12 +125,37 @@ pub(crate) fn step(text: &str) -> Result<f64, String> {
 
 /// An arena's size from `1.6x2.0` or `160cmx200cm`.
 pub(crate) fn arena(text: &str) -> Result<Arena, String> {
-    let parts = text.split_once(['x', '×']).and_then(|(width, height)| {
+    let parts = text.split_once(['x', 'X', '×']).and_then(|(width, height)| {
         Some(Arena { width: length(width).ok()?, height: length(height).ok()? })
     });
     parts.filter(|arena| arena.width > 0.0 && arena.height > 0.0).ok_or_else(|| {
         format!("{text:?} is no arena size; write width x height in metres, such as 1.6x2.0")
     })
+}
+
+/// The size of a picture from `640x480`, pixels: up to 8 million, each side at least 64.
+pub(crate) fn picture_size(text: &str) -> Result<[usize; 2], String> {
+    let parts = text.split_once(['x', '×']).and_then(|(width, height)| {
+        let side = |text: &str| text.trim().parse().ok().filter(|side| (64..=8192).contains(side));
+        Some([side(width)?, side(height)?])
+    });
+    parts.filter(|[width, height]| width * height <= 8_000_000).ok_or_else(|| {
+        format!("{text:?} is no size of a picture; write pixels from 64x64 up to 8 million, such as 640x480")
+    })
+}
+
+/// Pictures a second: 0.1 to 60.
+pub(crate) fn frame_rate(text: &str) -> Result<f64, String> {
+    let value = finite(text).filter(|value| (0.1..=60.0).contains(value));
+    value.ok_or_else(|| format!("{text:?} is no frame rate; write 0.1 to 60 pictures a second"))
+}
+
+/// How late a picture comes: 0 to 10 s.
+pub(crate) fn latency(text: &str) -> Result<Duration, String> {
+    let value = scaled(text, &SPANS, SPANS[2].1).filter(|value| (0.0..=10.0).contains(value));
+    value
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("{text:?} is no latency; write 0 to 10s, such as 80ms"))
 }
 
 /// A place from `x,y` or `x,y,heading`.
@@ -207,6 +243,8 @@ mod tests {
         assert_eq!(length("1400mm"), Ok(1.4));
         assert_eq!(angle("180"), Ok(std::f64::consts::PI));
         assert_eq!(angle("1.5rad"), Ok(1.5));
+        assert_eq!(picture_size("640x480"), Ok([640, 480]));
+        assert_eq!(latency("80ms"), Ok(Duration::from_millis(80)));
         assert_eq!(arena("160cmx2.0"), Ok(Arena { width: 1.6, height: 2.0 }));
         assert_eq!(place("0.1,20cm,90").unwrap().heading, Some(std::f64::consts::FRAC_PI_2));
         let four = [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 7.0]];
@@ -222,6 +260,11 @@ mod tests {
         assert!(arena("0x1").is_err() && arena("-1x1").is_err() && arena("1").is_err());
         assert!(leg_time("0").is_err() && leg_time("1e9").is_err() && distance("-1").is_err());
         assert!(corners("0,1 2,3 4,5").is_err());
+        for text in ["640", "640x", "63x480", "640x-480", "8192x8192", "1.5x480"] {
+            assert!(picture_size(text).is_err(), "{text}");
+        }
+        assert!(frame_rate("0").is_err() && frame_rate("61").is_err());
+        assert!(latency("-1ms").is_err() && latency("11").is_err());
         assert!(corners("round").unwrap_err().contains("--inflation disc"));
         assert!(corners("square").unwrap_err().contains("--inflation square"));
     }

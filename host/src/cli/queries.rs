@@ -4,12 +4,12 @@ use super::args::WayArgs;
 use super::error::CliError;
 use super::input::Input;
 use super::way::{microseconds, plan_options, planner, with_radius};
-use serde_json::{Value, json};
 use std::time::Instant;
+use wmr::document::{BuildTiming, FoundWay, QueriesDocument, QueryAnswer};
 use wmr::plan::PreparedArena;
 
 /// Plans the queries of a scene; an answer or an error each, in their order.
-pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> {
+pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<QueriesDocument, CliError> {
     let Input::Scene(scene) = input else {
         return Err(CliError::usage(
             "only an arena file lists queries",
@@ -25,13 +25,15 @@ pub(crate) fn answers(input: &Input, args: &WayArgs) -> Result<Value, CliError> 
     let answers = scene.queries.iter().map(|query| {
         let began = Instant::now();
         let answer = arena.plan(query.start, query.goal);
-        let timing = microseconds(began);
+        let timing_us = microseconds(began);
         match answer {
-            Ok(plan) => {
-                json!({"length": plan.length, "waypoints": plan.waypoints, "timing_us": timing})
-            }
-            Err(error) => CliError::from(error).json(),
+            Ok(plan) => QueryAnswer::Found(FoundWay {
+                length: plan.length,
+                waypoints: plan.waypoints,
+                timing_us,
+            }),
+            Err(error) => QueryAnswer::Failed(CliError::from(error).document()),
         }
     });
-    Ok(json!({"queries": answers.collect::<Vec<_>>(), "timing_us": {"build": build}}))
+    Ok(QueriesDocument { queries: answers.collect(), timing_us: BuildTiming { build } })
 }

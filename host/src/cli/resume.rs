@@ -17,14 +17,14 @@ use super::error::{CliError, Exit};
 use super::mission::place;
 use super::output::Output;
 use protocol::message::Identity;
-use protocol::motion::{self, Leg};
+use protocol::motion::Leg;
 use serde::{Deserialize, Serialize};
 use std::env;
 use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
 use wmr::geometry::Pose;
-use wmr::legs::from_wire;
+use wmr::legs::{from_wire, to_wire};
 use wmr::link::LinkClient;
 use wmr::link::mission::{Mission, Progress};
 use wmr::link::resume::{ResumeError, after_restart, check_beside_leg};
@@ -168,9 +168,8 @@ impl Memory {
             format!("the robot stands at {}", place(pose))
         };
         self.say_rest(note.next, output, &how);
-        let pose =
-            motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32);
-        Ok((Mission::resume_from(legs, Progress { next: note.next, pose }), note.next))
+        let progress = Progress { next: note.next, pose: to_wire(pose) };
+        Ok((Mission::resume_from(legs, progress), note.next))
     }
 
     fn say_rest(&self, next: u16, output: Output, how: &str) {
@@ -210,11 +209,7 @@ impl Memory {
 
 /// The robot does not stand where the rest of the plan begins.
 fn elsewhere(error: ResumeError) -> CliError {
-    let help = match error {
-        ResumeError::Moved { .. } => "plan again from where it stands, with --start x,y,heading",
-        ResumeError::Beside { .. } => "plan again from there with --start x,y,heading",
-    };
-    cannot("resume.elsewhere", error, help)
+    CliError::of(Exit::Usage, "resume.elsewhere", &error)
 }
 
 fn cannot(code: &str, message: impl std::fmt::Display, help: &str) -> CliError {

@@ -4,7 +4,7 @@
 use super::error::CliError;
 use protocol::message::{LegResult, State, Telemetry};
 use protocol::motion::{self, Leg, Limits};
-use serde_json::{Value, json};
+use wmr::document::{DriveDocument, LegDocument, PoseError, RunLine, WatchDocument};
 use wmr::geometry::{Point, Pose, wrap_angle};
 use wmr::legs::{from_wire, planned_end};
 use wmr::link::LinkStatistics;
@@ -27,6 +27,8 @@ pub(crate) struct Run {
     pub(crate) origin: Point,
     pub(crate) truth: Option<hil_sim::simulation::Truth>,
     pub(crate) link: LinkStatistics,
+    /// What was counted, if a camera watched.
+    pub(crate) watch: Option<WatchDocument>,
 }
 
 /// A run that came to its end, or was cut short by an error: what is known of it is worth keeping then.
@@ -70,6 +72,7 @@ impl Run {
             origin: Point::new(0.0, 0.0),
             truth: None,
             link: LinkStatistics::default(),
+            watch: None,
         }
     }
 
@@ -88,20 +91,26 @@ impl Run {
             MissionEvent::Done(pose) => self.end = from_wire(pose),
             MissionEvent::Connected(_)
             | MissionEvent::Accepted { .. }
+            | MissionEvent::Replaced { .. }
+            | MissionEvent::NotReplaced(_)
+            | MissionEvent::PoseRefused(_)
             | MissionEvent::Telemetry(_) => {}
         }
     }
 
-    /// How long the legs took, seconds of the robot's clock.
+    /// How long the legs took, seconds of the robot's clock; of a watched drive, with all that was cut short
+    /// and waited for.
     pub(crate) fn duration(&self) -> f64 {
+        if let (Some(_), Some(last)) = (&self.watch, self.samples.last()) {
+            return last.time;
+        }
         let ticks: f64 = self.results.iter().map(|result| f64::from(result.ticks)).sum();
         ticks * f64::from(motion::TICK_MILLISECONDS) / 1000.0
     }
 
     /// Where the robot really is if somebody knows, else where it believes to be.
     pub(crate) fn best_pose(&self) -> Pose {
-        self.truth
-            .map_or(self.end, |truth| Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
+        self.truth.map_or(self.end, |truth| truth.pose.into())
     }
 
     /// A pose of the arena frame as a person with the map reads it.
@@ -124,53 +133,50 @@ impl Run {
     }
 
     /// The document of `wmr drive --json`.
-    pub(crate) fn document(&self) -> Value {
+    pub(crate) fn document(&self) -> DriveDocument {
         let (position, heading) = self.error();
-        let mut document = json!({
-            "reached": self.reached(),
-            "pose": self.in_map_frame(self.end),
-            "error": {"position": position, "heading": heading},
-            "duration": self.duration(),
-            "legs": self.leg_documents(),
-            "link": {"frames": self.link.frames, "retransmitted": self.link.retransmitted, "lost": self.link.lost},
-        });
-        if let (Some(truth), Some(document)) = (self.truth, document.as_object_mut()) {
-            document.insert(
-                "true_pose".into(),
-                json!(self.in_map_frame(Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))),
-            );
-            if let Some(collision_log) = truth.collision_log {
-                document.insert("collisions".into(), json!(collision_log.collisions));
-                document.insert("min_clearance".into(), json!(collision_log.min_clearance));
-            }
+        let truth = self.truth.map(|truth| truth.pose);
+        let log = self.truth.and_then(|truth| truth.collision_log);
+        DriveDocument {
+            reached: self.reached(),
+            pose: self.in_map_frame(self.end),
+            true_pose: truth.map(|pose| self.in_map_frame(pose.into())),
+            error: PoseError { position, heading },
+            duration: self.duration(),
+            legs: self.leg_documents(),
+            collisions: log.map(|log| log.collisions),
+            min_clearance: log.map(|log| log.min_clearance),
+            link: self.link.into(),
+            watch: self.watch.clone(),
         }
-        document
     }
 
-    fn leg_documents(&self) -> Vec<Value> {
-        self.results.iter().zip(self.rest()).map(|(result, leg)| {
+    fn leg_documents(&self) -> Vec<LegDocument> {
+        let document = |(result, leg): (&LegResult, &Leg)| {
             let goal = from_wire(leg.intervals(&self.limits)[2].end());
             let (position, heading) = difference(goal, from_wire(result.pose));
-            let seconds = f64::from(result.ticks) * f64::from(motion::TICK_MILLISECONDS) / 1000.0;
-            json!({"index": result.index, "duration": seconds, "error": {"position": position, "heading": heading}})
-        }).collect()
+            LegDocument {
+                index: result.index,
+                duration: f64::from(result.ticks) * f64::from(motion::TICK_MILLISECONDS) / 1000.0,
+                error: PoseError { position, heading },
+            }
+        };
+        self.results.iter().zip(self.rest()).map(document).collect()
     }
 
     /// The lines of `run.jsonl`.
     pub(crate) fn lines(&self) -> String {
-        self.samples
-            .iter()
-            .map(|Sample { time, telemetry }| {
-                let line = json!({
-                    "t": time,
-                    "pose": self.in_map_frame(from_wire(telemetry.pose)),
-                    "wheels": [telemetry.wheels.left, telemetry.wheels.right],
-                    "leg": telemetry.leg,
-                    "state": state_name(telemetry.state),
-                });
-                format!("{line}\n")
-            })
-            .collect()
+        let line = |Sample { time, telemetry }: &Sample| {
+            let line = RunLine {
+                t: *time,
+                pose: self.in_map_frame(from_wire(telemetry.pose)),
+                wheels: [telemetry.wheels.left.0, telemetry.wheels.right.0],
+                leg: telemetry.leg,
+                state: state_name(telemetry.state).into(),
+            };
+            format!("{}\n", serde_json::json!(line))
+        };
+        self.samples.iter().map(line).collect()
     }
 }
 

@@ -2,21 +2,26 @@
 
 use super::args::SimArgs;
 use super::error::{CliError, Exit};
-use super::folder::write_file;
+use super::folder::write_named;
 use super::output::Output;
 use super::sim::{read_text, refused};
+use super::sim_camera::{self, Outlets};
+use hil_sim::camera::Frame;
 use hil_sim::emulator::EmulatedPico;
-use hil_sim::scenario::{self, Camera, Scenario};
+use hil_sim::scenario::{self, Camera, Scenario, Watch};
 use hil_sim::simulation::{Firmware, Simulation};
+use hil_sim::world::{Shape, World};
 use protocol::motion;
-use serde_json::json;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::Duration;
+use wmr::document::{PoseError, ScenarioDocument};
 use wmr::geometry::{Arena, Point, Pose};
+use wmr::legs::to_wire;
 use wmr::link::drive::TimedPort;
 use wmr::link::rehearsal::{Director, Ending, Moment, Sight, Task, rehearse};
-use wmr::picture::replay::{Replay, replay_svg};
+use wmr::picture::replay::{Body, Replay, replay_svg};
+use wmr::simulated::Onlooker;
 
 /// The true pose is drawn so often.
 const FRAME: Duration = Duration::from_millis(50);
@@ -41,7 +46,20 @@ fn finish<B: Firmware>(
     args: &SimArgs,
     output: Output,
 ) -> Result<(), CliError> {
-    let (mut stage, ending) = act(scenario, simulation, args.moment);
+    // A scenario that is seen in pictures has a camera of its own.
+    let own = scenario.pictures();
+    let camera = match own {
+        Some(_) => own,
+        None => sim_camera::stream(&args.camera, scenario.world.size, scenario.seed),
+    };
+    let outlets = Outlets::open(&args.camera, camera.as_ref(), output)?;
+    let simulation = match camera {
+        Some(camera) => simulation.with_camera(camera),
+        None => simulation,
+    };
+    let stage = Stage { simulation, film: Film::default(), outlets, saved: Ok(()), newest: None };
+    let (mut stage, ending) = act(scenario, stage, args.moment);
+    std::mem::replace(&mut stage.saved, Ok(()))?;
     let seconds = stage.simulation.now().as_secs_f64();
     let moves = scenario::still_moves(&mut stage.simulation).map_err(failed)?;
     let sight = sight(scenario, &stage, moves);
@@ -49,18 +67,19 @@ fn finish<B: Firmware>(
     let expected = scenario.expect.iter().find(|(moment, _)| *moment == args.moment);
     let expected = expected.map(|(_, end)| end.as_str());
     if let Some(out) = &args.out {
-        write_file(out, draw(scenario, &stage.trail, end).as_bytes())?;
+        let drawing = draw(scenario, &stage.film, end);
+        write_named(out, drawing.as_bytes(), "drawing", |older| older.starts_with(b"<svg"))?;
     }
     let pose = stage.simulation.truth().pose;
-    let document = json!({
-        "title": scenario.title,
-        "end": end,
-        "expected": expected,
-        "duration": seconds,
-        "true_pose": Pose::new(pose.x, pose.y, pose.heading),
-        "error": {"position": sight.position_error, "heading": sight.heading_error.abs()},
-        "collided": sight.collided,
-    });
+    let document = ScenarioDocument {
+        title: scenario.title.clone(),
+        end: end.into(),
+        expected: expected.map(str::to_owned),
+        duration: seconds,
+        true_pose: pose.into(),
+        error: PoseError::new(sight.position_error, sight.heading_error),
+        collided: sight.collided,
+    };
     let said = match &ending {
         Ending::Failed(error) => format!("\n{error}"),
         Ending::Arrived(_) | Ending::Endless => String::new(),
@@ -84,7 +103,7 @@ fn failed(error: io::Error) -> CliError {
 
 fn act<B: Firmware>(
     scenario: &Scenario,
-    simulation: Simulation<B>,
+    stage: Stage<B>,
     moment: scenario::Moment,
 ) -> (Stage<B>, Ending) {
     let start = scenario.start;
@@ -94,8 +113,9 @@ fn act<B: Firmware>(
         goal_heading: scenario.goal_heading,
         limits: scenario.parameters().limits(),
     };
-    let mut director = Troublemaker { scenario, camera: Camera::of(scenario) };
-    let stage = Stage { simulation, trail: Vec::new() };
+    let World { size, robot_radius, .. } = scenario.world;
+    let onlooker = Onlooker::new(size, robot_radius);
+    let mut director = Troublemaker { scenario, camera: Camera::of(scenario), onlooker };
     rehearse(stage, &task, rehearsed(moment), &mut director)
 }
 
@@ -122,26 +142,69 @@ fn sight<B: Firmware>(scenario: &Scenario, stage: &Stage<B>, moves: bool) -> Sig
     }
 }
 
-fn draw(scenario: &Scenario, trail: &[Pose], end: &str) -> String {
+fn draw(scenario: &Scenario, film: &Film, end: &str) -> String {
     let [width, height] = scenario.world.size;
     let start = Point::new(scenario.start.x, scenario.start.y);
     let way = scenario.way.iter().map(|[x, y]| Point::new(*x, *y));
-    let outlines: Vec<_> = scenario.world.shapes.iter().map(|shape| shape.outline()).collect();
+    let bodies: Vec<Body> = film.bodies.iter().map(|(_, body)| body.clone()).collect();
     replay_svg(&Replay {
         arena: Arena { width, height },
         radius: scenario.world.robot_radius,
-        outlines: &outlines,
+        bodies: &bodies,
         way: &std::iter::once(start).chain(way).collect::<Vec<_>>(),
-        trail,
+        trail: &film.trail,
         frame: FRAME,
         title: &format!("{}: {end}", scenario.title),
     })
 }
 
+/// Where everything was, frame by frame.
+#[derive(Default)]
+struct Film {
+    trail: Vec<Pose>,
+    /// With each body where it stood at first and since when, which tells it from others.
+    bodies: Vec<((Shape, Duration), Body)>,
+}
+
+impl Film {
+    fn add<B: Firmware>(&mut self, simulation: &Simulation<B>) {
+        let pose = simulation.truth().pose;
+        for (_, body) in &mut self.bodies {
+            body.shifts.push(None);
+        }
+        if let Some(world) = simulation.world() {
+            for shape in &world.shapes {
+                self.see((shape, Duration::ZERO), [0.0; 2]);
+            }
+            for mover in &world.movers {
+                self.see(mover.origin(), mover.shift(simulation.now()));
+            }
+        }
+        self.trail.push(pose.into());
+    }
+
+    fn see(&mut self, (shape, began): (&Shape, Duration), shift: [f64; 2]) {
+        let known = self.bodies.iter_mut().find(|((is, since), _)| is == shape && *since == began);
+        if let Some(last) = known.and_then(|(_, body)| body.shifts.last_mut()) {
+            *last = Some(shift);
+            return;
+        }
+        let mut shifts = vec![None; self.trail.len()];
+        shifts.push(Some(shift));
+        let body = Body { corners: shape.outline(), shifts };
+        self.bodies.push(((shape.clone(), began), body));
+    }
+}
+
 /// A simulated robot on its own time, and where it has been.
 struct Stage<B> {
     simulation: Simulation<B>,
-    trail: Vec<Pose>,
+    film: Film,
+    outlets: Outlets,
+    /// Whether all frames so far could be saved.
+    saved: Result<(), CliError>,
+    /// The newest frame that nobody has looked at.
+    newest: Option<Frame>,
 }
 
 impl<B> Read for Stage<B> {
@@ -167,9 +230,14 @@ impl<B: Firmware> TimedPort for Stage<B> {
 
     fn wait(&mut self, duration: Duration) -> io::Result<()> {
         self.simulation.wait(duration)?;
-        while FRAME * self.trail.len() as u32 <= self.simulation.now() {
-            let pose = self.simulation.truth().pose;
-            self.trail.push(Pose::new(pose.x, pose.y, pose.heading));
+        if self.saved.is_ok() {
+            match self.outlets.take(&mut self.simulation) {
+                Ok(frame) => self.newest = frame.or(self.newest.take()),
+                Err(error) => self.saved = Err(error),
+            }
+        }
+        while FRAME * self.film.trail.len() as u32 <= self.simulation.now() {
+            self.film.add(&self.simulation);
         }
         Ok(())
     }
@@ -178,6 +246,7 @@ impl<B: Firmware> TimedPort for Stage<B> {
 struct Troublemaker<'a> {
     scenario: &'a Scenario,
     camera: Camera,
+    onlooker: Onlooker,
 }
 
 impl<B: Firmware> Director<Stage<B>> for Troublemaker<'_> {
@@ -186,9 +255,16 @@ impl<B: Firmware> Director<Stage<B>> for Troublemaker<'_> {
         Ok(())
     }
 
-    fn look(&mut self, stage: &Stage<B>) -> Option<motion::Pose> {
+    fn look(&mut self, stage: &mut Stage<B>) -> Option<(Duration, motion::Pose)> {
+        if self.scenario.watch == Watch::Pictures {
+            let frame = stage.newest.take()?;
+            let camera = stage.simulation.camera_mut()?.camera();
+            let robot = self.onlooker.look(&frame, camera)?;
+            return Some((frame.exposed, to_wire(robot)));
+        }
         let pose = stage.simulation.truth().pose;
         let [x, y, heading] = self.camera.sees(pose)?;
-        Some(motion::Pose::new(x as f32, y as f32, heading as f32))
+        let seen = motion::Pose::new(x as f32, y as f32, heading as f32);
+        Some((stage.simulation.now(), seen))
     }
 }

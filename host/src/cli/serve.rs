@@ -15,7 +15,7 @@ pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
         seed: args.sim_seed,
         log: args.log.clone(),
         open: !args.no_open,
-        sample: false,
+        demo: false,
     };
     dashboard::serve(&settings, output)
 }
@@ -26,7 +26,7 @@ fn on_all_networks(address: &str) -> String {
     format!("0.0.0.0:{port}")
 }
 
-/// `wmr demo --page`: the demo's photo on the page, at any free address.
+/// `wmr demo --page`: the demo's mission on the page, planned but not driven, at any free address.
 pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
     let settings = Settings {
         address: "127.0.0.1:0".to_owned(),
@@ -35,7 +35,7 @@ pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         seed: 1,
         log: PathBuf::from("wmr-runs"),
         open: true,
-        sample: true,
+        demo: true,
     };
     dashboard::serve(&settings, output)
 }

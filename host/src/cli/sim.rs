@@ -7,7 +7,8 @@ use super::input::{self, Input, Sight};
 use super::mission::{self, place};
 use super::output::Output;
 use super::scenario;
-use hil_sim::base::{BaseParameters, TruePose};
+use super::sim_camera::{self, Outlets};
+use hil_sim::base::BaseParameters;
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
 use hil_sim::lockstep::{self, Lockstep, Pacing};
@@ -15,11 +16,11 @@ use hil_sim::realtime;
 use hil_sim::script::{FileError, Script};
 use hil_sim::simulation::{Firmware, Simulation, Truth};
 use hil_sim::tcp::TcpPort;
-use serde_json::json;
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::time::Duration;
+use wmr::document::{PhysicsDocument, SimulationDocument};
 use wmr::geometry::Pose;
 
 /// `wmr sim`.
@@ -29,8 +30,12 @@ pub(crate) fn run(args: &SimArgs, output: Output) -> Result<(), CliError> {
         return scenario::play(path, args, output);
     }
     let script = read_script(args)?;
+    if args.camera.is_used() && args.scene.is_none() {
+        let message = "a camera needs an arena to look at";
+        return Err(CliError::usage(message, "add --scene SCENE"));
+    }
     let world = match &args.scene {
-        None => SimulatedWorld { world: None, start: TruePose::default(), seed: args.seed },
+        None => SimulatedWorld::nowhere(args.seed),
         Some(path) => match input::read(
             path,
             &VisionArgs::default(),
@@ -75,17 +80,39 @@ fn read_script(args: &SimArgs) -> Result<Script, CliError> {
             Script::parse(&text).map_err(|error| refused(&path.display().to_string(), &error))?
         }
     };
-    for fault in &args.fault {
+    script.faults.extend(short_faults("--fault", &args.fault)?.faults);
+    check_camera(&script, args.camera.is_used(), "--camera-out DIR or --camera-http ADDR")?;
+    Ok(script)
+}
+
+/// The faults that are given with this option.
+pub(super) fn short_faults(option: &str, faults: &[String]) -> Result<Script, CliError> {
+    let mut script = Script::default();
+    for fault in faults {
         let one = Script::parse_short(fault).map_err(|error| {
-            CliError::usage(format!("--fault {fault}: {error}"), "write it as KIND,FIELD=VALUE,...")
+            CliError::usage(
+                format!("{option} {fault}: {error}"),
+                "write it as KIND,FIELD=VALUE,...",
+            )
         })?;
         script.faults.extend(one.faults);
     }
     Ok(script)
 }
 
+/// A fault of a camera where there is none would do nothing, silently.
+pub(super) fn check_camera(script: &Script, has_camera: bool, add: &str) -> Result<(), CliError> {
+    if has_camera || !script.needs_camera() {
+        return Ok(());
+    }
+    let message =
+        "a fault of a camera, camera-..., is asked for, but no camera looks at this robot";
+    Err(CliError::usage(message, format!("add {add}, or leave the fault out")))
+}
+
 /// The text of a file.
 pub(super) fn read_text(path: &Path) -> Result<String, CliError> {
+    input::remember(path);
     std::fs::read_to_string(path).map_err(|error| {
         let message = format!("cannot read {}: {error}", path.display());
         CliError::new(Exit::File, "file.unreadable", message, "check the file's name")
@@ -112,8 +139,8 @@ fn serve<B: Firmware>(
     let mut port = offer(args, output)?;
     if let Some(address) = &args.lockstep {
         let seconds = lockstep(firmware, address, args, &mut port, output)?.as_secs_f64();
-        return output
-            .result(&json!({ "t": seconds }), &format!("the physics ran for {seconds:.3} s"));
+        let text = format!("the physics ran for {seconds:.3} s");
+        return output.result(&PhysicsDocument { t: seconds }, &text);
     }
     let mut simulation = match args.base {
         None => world.with(firmware, BaseParameters::seeded(args.seed)),
@@ -123,8 +150,16 @@ fn serve<B: Firmware>(
         }
     };
     simulation.run_script(script);
+    let size = simulation.world().map(|world| world.size);
+    let camera = size.and_then(|size| sim_camera::stream(&args.camera, size, args.seed));
+    let mut outlets = Outlets::open(&args.camera, camera.as_ref(), output)?;
+    if let Some(camera) = camera {
+        simulation = simulation.with_camera(camera);
+    }
     let mut collisions = 0;
+    let mut outcome = Ok(());
     realtime::run(&mut simulation, &mut port, |simulation| {
+        outcome = outlets.take(simulation).map(drop);
         let truth = simulation.truth();
         let now = truth.collision_log.map_or(0, |log| log.collisions);
         if now > collisions {
@@ -134,9 +169,10 @@ fn serve<B: Firmware>(
                 true_place(&truth)
             ));
         }
-        !mission::interrupted()
+        outcome.is_ok() && !mission::interrupted()
     })
     .map_err(failed)?;
+    outcome?;
     report(&simulation.truth(), output)
 }
 
@@ -217,16 +253,17 @@ fn accept(address: &str, output: Output) -> Result<Option<TcpStream>, CliError> 
 }
 
 fn true_place(truth: &Truth) -> String {
-    place(Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading))
+    place(truth.pose.into())
 }
 
 fn report(truth: &Truth, output: Output) -> Result<(), CliError> {
-    let pose = Pose::new(truth.pose.x, truth.pose.y, truth.pose.heading);
-    let mut document = json!({"true_pose": pose});
-    if let (Some(collision_log), Some(fields)) = (truth.collision_log, document.as_object_mut()) {
-        fields.insert("collisions".into(), json!(collision_log.collisions));
-        fields.insert("min_clearance".into(), json!(collision_log.min_clearance));
-    }
+    let pose = Pose::from(truth.pose);
+    let log = truth.collision_log;
+    let document = SimulationDocument {
+        true_pose: pose,
+        collisions: log.map(|log| log.collisions),
+        min_clearance: log.map(|log| log.min_clearance),
+    };
     let mut text = format!("the robot ended at {}", place(pose));
     if let Some(log) = truth.collision_log {
         text +=

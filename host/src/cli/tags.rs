@@ -4,7 +4,7 @@ use super::args::TagsArgs;
 use super::error::CliError;
 use super::folder::write_named;
 use super::output::Output;
-use serde_json::json;
+use wmr::document::TagsDocument;
 use wmr::picture::tags::tag_sheet;
 use wmr::vision::TagDictionary;
 
@@ -33,7 +33,11 @@ pub(crate) fn run(args: &TagsArgs, output: Output) -> Result<(), CliError> {
         "{name}: {} tags of {millimetres:.0} mm; print it at 100 % and check the ruler\n",
         args.ids.len()
     );
-    let document =
-        json!({"file": name, "dictionary": dictionary.name(), "ids": args.ids, "size": args.size});
+    let document = TagsDocument {
+        file: name,
+        dictionary: dictionary.name(),
+        ids: args.ids.clone(),
+        size: args.size,
+    };
     output.result(&document, &text)
 }

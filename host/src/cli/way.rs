@@ -4,15 +4,15 @@ use super::args::{CostName, PlannerName, TimingName, WayArgs};
 use super::error::{CliError, Exit};
 use super::input::Input;
 use super::output::Output;
-use protocol::motion::{Limits, Timing};
+use protocol::motion::{Leg, Limits, Timing};
 use protocol::units::Seconds;
 use std::time::{Duration, Instant};
 use wmr::geometry::{Point, Pose};
-use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing, to_legs};
+use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration, paper_timing};
 use wmr::plan::{
     Cost, DRIVE_MARGINS, FuzzyOptions, MarginPlan, Plan, PlanOptions, Planner, with_margin_fallback,
 };
-use wmr::plan_file::{PlanFile, PlanTiming};
+use wmr::plan_file::{MadeFor, PlanFile, PlanTiming};
 use wmr::scene::{Goal, Scene};
 
 /// A way, and all that led to it.
@@ -23,6 +23,8 @@ pub(crate) struct PlannedWay {
     pub(crate) plan: Option<Plan>,
     /// What it was planned with.
     pub(crate) options: PlanOptions,
+    /// How its legs are made.
+    pub(crate) legs: LegOptions,
 }
 
 /// Which margins may be used beyond the radius.
@@ -46,13 +48,15 @@ pub(crate) fn find(
     let planner = planner(args.planner);
     match input {
         Input::Plan(file) if asks_nothing_else(args) && keeps_margin(file, args, rule) => {
-            Ok(PlannedWay { file: (**file).clone(), plan: None, options: PlanOptions::default() })
+            let legs = leg_options(&as_made(args, file.made_for));
+            let options = PlanOptions::default();
+            Ok(PlannedWay { file: (**file).clone(), plan: None, options, legs })
         }
         Input::Plan(file) => {
             output.say(if asks_nothing_else(args) {
-                "the plan keeps less than the margin for driving, so its way is planned anew; --margin 0 drives it as it is"
+                "the plan keeps less than the margin for driving, so its way is planned again; --margin 0 drives it as it is"
             } else {
-                "the plan is for another start, goal or radius, so its way is planned anew"
+                "the plan is for another start, goal or radius, so its way is planned again"
             });
             let heading = file.goal_heading();
             let goal = file.waypoints.last().map(|position| Goal { position: *position, heading });
@@ -61,7 +65,8 @@ pub(crate) fn find(
                 .first()
                 .map(|&position| Pose { position, heading: file.start_heading() });
             let scene = Scene { start, goal, ..file.scene.clone() };
-            plan_way(&with_radius(&scene, args.radius), planner, args, rule, output)
+            let args = as_made(args, file.made_for);
+            plan_way(&with_radius(&scene, args.radius), planner, &args, rule, output)
         }
         Input::Scene(scene) => {
             plan_way(&with_radius(scene, args.radius), planner, args, rule, output)
@@ -131,11 +136,9 @@ pub(crate) fn plan_way(
         ));
     }
     let plan = with_grid(plan, &scene, (start, goal), options(margin));
-    let legs =
-        to_legs(&plan.waypoints, start.heading, goal.heading, &leg_options(args), &DEFAULT_LIMITS);
-    let seconds = duration(&legs, &DEFAULT_LIMITS);
-    let file = PlanFile::new(&plan, &scene, &legs, seconds, timing);
-    Ok(PlannedWay { file, plan: Some(plan), options: options(margin) })
+    let legs = leg_options(args);
+    let file = PlanFile::new(&plan, &scene, MadeFor::new(&legs, &DEFAULT_LIMITS), timing);
+    Ok(PlannedWay { file, plan: Some(plan), options: options(margin), legs })
 }
 
 /// What `args` ask the planner for.
@@ -163,21 +166,50 @@ fn with_grid(plan: Plan, scene: &Scene, (start, goal): (Pose, Goal), options: Pl
     Plan { grid: grid.ok().and_then(|plan| plan.grid), ..plan }
 }
 
-/// The legs that drive a plan within a robot's limits.
-pub(crate) fn legs_of(
-    file: &PlanFile,
-    args: &WayArgs,
-    limits: &Limits,
-) -> Vec<protocol::motion::Leg> {
-    to_legs(&file.waypoints, file.start_heading(), file.goal_heading(), &leg_options(args), limits)
+impl PlannedWay {
+    /// The legs that a robot with `limits` drives: those of the plan; if others are needed, that is said.
+    pub(crate) fn legs_for(&self, limits: &Limits, output: Output) -> Vec<Leg> {
+        let legs = self.file.legs_for(&self.legs, limits);
+        if self.file.planned_legs().as_ref() != Some(&legs)
+            || duration(&legs, limits) != self.file.duration
+        {
+            let (now, then) = (MadeFor::new(&self.legs, limits), self.file.duration);
+            let made_for = match self.file.made_for {
+                Some(made_for) => format!("were made for {made_for}"),
+                None => "were made for limits that its file does not name".to_owned(),
+            };
+            output.say(&format!(
+                "the plan's legs {made_for}; for {now} they are made again: {:.2} s, not {then:.2} s",
+                duration(&legs, limits)
+            ));
+        }
+        legs
+    }
 }
 
-fn leg_options(args: &WayArgs) -> LegOptions {
-    match args.timing {
+/// How long a leg takes by the paper's timing, if nobody says, seconds [Alghannam, Sec. V].
+const PAPER_LEG_TIME: f64 = 9.0;
+
+/// How legs are made, as `args` ask.
+pub(crate) fn leg_options(args: &WayArgs) -> LegOptions {
+    match args.timing.unwrap_or(TimingName::Limits) {
         TimingName::Limits => LegOptions { timing: Timing::Limits, reverse: !args.no_reverse },
         TimingName::Paper => {
-            LegOptions { timing: paper_timing(Seconds(args.leg_time as f32)), reverse: false }
+            let seconds = args.leg_time.unwrap_or(PAPER_LEG_TIME);
+            LegOptions { timing: paper_timing(Seconds(seconds as f32)), reverse: false }
         }
+    }
+}
+
+/// What `args` ask for, and where they do not say how legs are made, as those of a plan were made.
+pub(crate) fn as_made(args: &WayArgs, made_for: Option<MadeFor>) -> WayArgs {
+    let Some(MadeFor { leg_time, reverse, .. }) = made_for else { return args.clone() };
+    let planned = if leg_time.is_some() { TimingName::Paper } else { TimingName::Limits };
+    WayArgs {
+        timing: args.timing.or(Some(planned)),
+        leg_time: args.leg_time.or(leg_time),
+        no_reverse: args.no_reverse || (planned == TimingName::Limits && !reverse),
+        ..args.clone()
     }
 }
 
@@ -232,7 +264,7 @@ pub(crate) fn take_ends(scene: &mut Scene, args: &WayArgs) {
 }
 
 /// Start and goal as asked for, or as the input has them.
-fn ends(scene: &Scene, args: &WayArgs) -> Result<(Pose, Goal), CliError> {
+pub(crate) fn ends(scene: &Scene, args: &WayArgs) -> Result<(Pose, Goal), CliError> {
     let corner = origin(scene);
     let in_arena = |at: Point| Point::new(at.x - corner.x, at.y - corner.y);
     let asked = args.start.map(|place| Pose {

@@ -5,7 +5,7 @@
 //! ```
 
 use crate::cli::error::{CliError, Exit};
-use crate::cli::folder::{Folder, write_file};
+use crate::cli::folder::Folder;
 use crate::cli::input::Input;
 use crate::cli::run::Run;
 use crate::cli::way::PlannedWay;
@@ -41,12 +41,12 @@ impl Archive {
         let path = self.0.join(&name);
         let folder = Folder::create(&path)?;
         if let Some(bytes) = photo {
-            write_file(&path.join("photo"), bytes)?;
+            folder.write("photo", bytes)?;
         }
         folder.plan(way)?;
         folder.run(&Input::Scene(way.file.scene.clone()), way, run)?;
         // The report comes last: a folder with one is whole.
-        write_file(&path.join("report.json"), format!("{report}\n").as_bytes())?;
+        folder.write("report.json", format!("{report}\n").as_bytes())?;
         Ok(name)
     }
 

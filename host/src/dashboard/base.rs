@@ -27,7 +27,7 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// The ports that there are: the simulated robot, what the program was started with, and serial ports.
 pub(super) async fn ports(State(dashboard): State<Dashboard>) -> Answer {
-    let ports = dashboard.jobs.run(|| Ok(port::list().unwrap_or_default())).await?;
+    let ports = dashboard.jobs.run(|_| Ok(port::list().unwrap_or_default())).await?;
     let mut names = vec![json!({"name": "sim", "kind": "simulated robot"})];
     let first: &str = &dashboard.first_port;
     if first != "sim" {
@@ -51,7 +51,7 @@ pub(super) async fn connect(State(dashboard): State<Dashboard>, body: Bytes) -> 
         || port::list().unwrap_or_default().iter().any(|info| info.port_name == port);
     if !is_known {
         return Err(Failure::bad_request(format!(
-            "{port:?} is none of the ports here; sim, auto, tcp://HOST:PORT or one of /api/ports"
+            "{port:?} is not one of the ports here; sim, auto, tcp://HOST:PORT or one of /api/ports"
         )));
     }
     queue(&dashboard, Task::Connect(port))?;
@@ -127,7 +127,7 @@ pub(super) fn hold(dashboard: &Dashboard, hold: Option<Hold>, begins: bool) -> A
         return Ok(Json(json!({"held": false})));
     };
     if !begins {
-        // What was let go, stopped or has failed begins anew only with a new press.
+        // What was let go, stopped or has failed starts again only with a new press.
         return Ok(Json(json!({"held": dashboard.controls.keep_holding(hold)})));
     }
     order(dashboard, Task::Held(hold))
@@ -136,13 +136,13 @@ pub(super) fn hold(dashboard: &Dashboard, hold: Option<Hold>, begins: bool) -> A
 /// The drives that were kept.
 pub(super) async fn runs(State(dashboard): State<Dashboard>) -> Answer {
     let archive = dashboard.archive.clone();
-    Ok(Json(dashboard.jobs.run(move || Ok(archive.list())).await?))
+    Ok(Json(dashboard.jobs.run(move |_| Ok(archive.list())).await?))
 }
 
 /// One of them.
 pub(super) async fn run(State(dashboard): State<Dashboard>, Path(name): Path<String>) -> Answer {
     let archive = dashboard.archive.clone();
-    let document = dashboard.jobs.run(move || Ok(archive.open(&name))).await?;
+    let document = dashboard.jobs.run(move |_| Ok(archive.open(&name))).await?;
     document.map(Json).ok_or_else(no_run)
 }
 
@@ -152,7 +152,7 @@ pub(super) async fn run_file(
     Path((name, file)): Path<(String, String)>,
 ) -> Result<Response, Failure> {
     let (archive, wanted) = (dashboard.archive.clone(), file.clone());
-    let bytes = dashboard.jobs.run(move || Ok(archive.read(&name, &wanted))).await?;
+    let bytes = dashboard.jobs.run(move |_| Ok(archive.read(&name, &wanted))).await?;
     let Some(bytes) = bytes else { return Err(unknown().await) };
     let head = [
         (CONTENT_TYPE, archive::content_type(&file, &bytes).to_owned()),

@@ -4,12 +4,12 @@
 use super::error::Failure;
 use super::robot::RobotThread;
 use crate::cli::error::CliError;
-use crate::cli::params::shortest;
 use crate::cli::run::Run as DriveRun;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 use wmr::calibration::{BaseLengths, Course, Run, calibrate, seen_from};
+use wmr::document::shortest;
 use wmr::geometry::Pose;
 use wmr::link::parameters::Request;
 
@@ -102,7 +102,7 @@ impl RobotThread {
 
     fn truth(&mut self) -> Option<Pose> {
         let pose = self.client.as_mut()?.port_mut().truth()?.pose;
-        Some(Pose::new(pose.x, pose.y, pose.heading))
+        Some(pose.into())
     }
 
     /// Finds the lengths that explain the runs, and gives them to the robot.

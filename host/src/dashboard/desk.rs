@@ -1,6 +1,6 @@
 //! What lies on the desk: the photo, the scene that was seen in it or drawn by hand, and the plan in it.
 //!
-//! Each has a revision that grows with every change; a page that shows an older one fetches it anew.
+//! Each has a revision that grows with every change; a page that shows an older one fetches it again.
 //! What rests on something that has changed is taken off: a plan never outlives its scene.
 
 use super::corrections::Corrections;
@@ -8,7 +8,6 @@ use super::error::Failure;
 use super::planned::plan_document;
 use super::reading::Reading;
 use super::requests::{DetectRequest, PlanRequest};
-use crate::cli::args::WayArgs;
 use crate::cli::demo;
 use crate::cli::detect::detection_document;
 use crate::cli::error::CliError;
@@ -62,6 +61,8 @@ pub(super) struct DeskPhoto {
     pub(super) content_type: &'static str,
     /// Width and height as seen, pixels.
     size: [usize; 2],
+    /// What is wrong with the picture itself, as the error that looking at it would end with.
+    note: Option<Value>,
 }
 
 /// The scene, with what is known of how it was seen.
@@ -77,7 +78,7 @@ pub(super) struct DeskScene {
 /// What came of planning.
 #[derive(Debug)]
 pub(super) struct DeskPlan {
-    pub(super) result: Result<(Box<PlannedWay>, WayArgs), CliError>,
+    pub(super) result: Result<Box<PlannedWay>, CliError>,
 }
 
 impl Default for Desk {
@@ -117,7 +118,9 @@ impl DeskPhoto {
         };
         let photo = vision::decode(&bytes).map_err(CliError::from)?;
         let size = [photo.width(), photo.height()];
-        Ok(Self { bytes, content_type, size })
+        let fault = vision::check_picture(&photo).err().map(CliError::from);
+        let note = fault.map(|error| json!(error.failure()));
+        Ok(Self { bytes, content_type, size, note })
     }
 }
 
@@ -177,7 +180,7 @@ impl Desk {
     /// Lays down what was seen, corrected as before, unless the photo has changed meanwhile; the document of
     /// `wmr detect`.
     pub(super) fn take_detection(&mut self, look: &Look, seen: &SeenPhoto) -> Value {
-        let document = detection_document(seen, look.robot_radius);
+        let document = json!(detection_document(seen, look.robot_radius));
         if look.revision == self.revisions.photo && look.corners == self.corners {
             let is_same_arena = self.arena == look.arena;
             self.arena = look.arena;
@@ -234,7 +237,7 @@ impl Desk {
     pub(super) fn take_plan(
         &mut self,
         scene: Scene,
-        result: Result<(Box<PlannedWay>, WayArgs), CliError>,
+        result: Result<Box<PlannedWay>, CliError>,
     ) -> Revisions {
         let last = self.scene.take();
         let (detection, recognised) =
@@ -263,7 +266,7 @@ impl Desk {
         let look = self.look(&DetectRequest::default()).ok();
         let look = look.filter(|look| look.arena.is_some());
         let way = self.plan.as_ref().and_then(|plan| plan.result.as_ref().ok());
-        (look, way.map(|(way, _)| way.clone()), self.robot_radius)
+        (look, way.cloned(), self.robot_radius)
     }
 
     fn take_off_scene(&mut self) {
@@ -291,12 +294,12 @@ impl Desk {
     pub(super) fn document(&self) -> Value {
         let photo = self.photo.as_ref().map(|photo| {
             let [width, height] = photo.size;
-            json!({"width": width, "height": height, "type": photo.content_type})
+            json!({"width": width, "height": height, "type": photo.content_type, "note": photo.note})
         });
         let scene = self.scene.as_ref().map(|desk| &desk.scene);
         let plan = self.plan.as_ref().map(|plan| match &plan.result {
-            Ok((way, args)) => plan_document(way, args),
-            Err(error) => error.json(),
+            Ok(way) => plan_document(way),
+            Err(error) => json!(error.document()),
         });
         json!({
             "revision": self.revisions,

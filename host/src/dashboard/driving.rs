@@ -2,16 +2,17 @@
 
 use super::desk::DeskPhoto;
 use super::lock;
+use super::reference::{Reference, Word};
 use super::robot::{RobotThread, stopped};
-use crate::cli::args::{TimingName, WayArgs};
 use crate::cli::endpoint::{SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
 use crate::cli::run::{Run, RunClock};
 use crate::cli::way::{self, PlannedWay};
-use protocol::motion::{self, Leg, Timing};
+use protocol::message::State;
+use protocol::motion::{Leg, Timing};
 use std::sync::Arc;
 use wmr::geometry::{Point, Pose};
-use wmr::legs::{LegOptions, from_wire, to_legs};
+use wmr::legs::{LegOptions, from_wire, to_legs, to_wire};
 use wmr::link::drive::{DriveError, DriveEvent, Wish, drive_as_wished};
 use wmr::link::mission::{Mission, MissionError, MissionEvent};
 use wmr::link::parameters::Request;
@@ -21,14 +22,13 @@ impl RobotThread {
     pub(super) fn drive_and_keep(
         &mut self,
         way: &PlannedWay,
-        args: &WayArgs,
         photo: Option<Arc<DeskPhoto>>,
         stops: u64,
     ) -> Result<(), CliError> {
-        let (run, error) = self.drive(way, args, stops)?;
-        let mut report = run.document();
+        let (run, error) = self.drive(way, stops)?;
+        let mut report = serde_json::json!(run.document());
         if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
-            fields.insert("problem".into(), error.json()["error"].clone());
+            fields.insert("problem".into(), serde_json::json!(error.failure()));
         }
         let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
         let kept = self.settings.archive.keep(photo, way, &run, &report);
@@ -42,30 +42,21 @@ impl RobotThread {
     }
 
     /// Drives a way to its end, or to where it is cut short.
-    fn drive(
-        &mut self,
-        way: &PlannedWay,
-        args: &WayArgs,
-        stops: u64,
-    ) -> Result<(Run, Option<CliError>), CliError> {
+    fn drive(&mut self, way: &PlannedWay, stops: u64) -> Result<(Run, Option<CliError>), CliError> {
         let file = &way.file;
         let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
         let start = Pose { position: first, heading: file.start_heading() };
         if self.is_simulated() || self.client.is_none() {
             // A simulated robot stands where the plan begins, as if somebody had put it there.
             let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
-            let robot = match args.timing {
-                TimingName::Limits => SimulatedRobot::Default,
-                TimingName::Paper => SimulatedRobot::Paper,
-            };
-            self.client = Some(self.open(world, robot)?);
+            self.client = Some(self.open(world, SimulatedRobot::for_timing(way.legs.timing))?);
         }
         self.greet(stops)?;
         if let Some(parameters) = self.own_parameters.filter(|_| self.is_simulated()) {
             self.ask(Request::Change(parameters))?;
         }
         let limits = self.greet(stops)?;
-        let legs = way::legs_of(file, args, &limits);
+        let legs = file.legs_for(&way.legs, &limits);
         let mut run = Run::new(legs, limits, start);
         run.origin = way::origin(&file.scene);
         run.goal = file.waypoints.last().copied();
@@ -90,6 +81,7 @@ impl RobotThread {
         if run.legs.is_empty() {
             return Ok(());
         }
+        let mut reference = Reference::new(&run.legs, &run.limits);
         let wire_start = to_wire(start);
         let mut mission = Mission::new(run.legs.clone(), wire_start);
         let mut clock = RunClock::default();
@@ -107,8 +99,12 @@ impl RobotThread {
                 let mut live = lock(live);
                 live.hear(telemetry);
                 if let Some(sample) = run.samples.last() {
-                    live.run.follow(sample.time, from_wire(telemetry.pose).position);
-                    live.run.leg = usize::from(telemetry.leg);
+                    let (pose, leg) = (from_wire(telemetry.pose), usize::from(telemetry.leg));
+                    live.run.follow(sample.time, pose.position);
+                    live.run.leg = leg;
+                    let is_paused = matches!(telemetry.state, State::Paused(_));
+                    let word = Word { time: sample.time, leg, pose, is_paused };
+                    live.run.reference = reference.at(word);
                 }
             }
         });
@@ -146,8 +142,4 @@ impl RobotThread {
 
 fn ends(leg: &Leg) -> [Point; 2] {
     [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
-}
-
-fn to_wire(pose: Pose) -> motion::Pose {
-    motion::Pose::new(pose.position.x as f32, pose.position.y as f32, pose.heading as f32)
 }

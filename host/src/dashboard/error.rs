@@ -53,6 +53,6 @@ impl From<JsonRejection> for Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        (self.status, Json(self.error.json())).into_response()
+        (self.status, Json(self.error.document())).into_response()
     }
 }

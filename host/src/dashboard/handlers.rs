@@ -7,7 +7,6 @@ use super::requests::{
 };
 use super::robot::{Order, Task};
 use super::{Dashboard, base, lock, planned, steps};
-use crate::cli::error::CliError;
 use crate::cli::way;
 use axum::Json;
 use axum::body::Bytes;
@@ -73,9 +72,9 @@ pub(super) async fn photo(
             )));
         }
         let desk = dashboard.desk.clone();
-        dashboard.jobs.run(move || Ok(lock(&desk).take_sample()?)).await?;
+        dashboard.jobs.run(move |_| Ok(lock(&desk).take_sample()?)).await?;
     } else {
-        let photo = dashboard.jobs.run(move || DeskPhoto::new(body.to_vec())).await?;
+        let photo = dashboard.jobs.run(move |_| DeskPhoto::new(body.to_vec())).await?;
         lock(&dashboard.desk).take_photo(photo);
     }
     Ok(Json(state_document(&dashboard)))
@@ -94,7 +93,7 @@ pub(super) async fn detect(State(dashboard): State<Dashboard>, body: Bytes) -> A
     let look = lock(&dashboard.desk).look(&request)?;
     let (look, seen) = dashboard
         .jobs
-        .run(move || {
+        .run(move |_| {
             let seen = look.see(false)?;
             Ok((look, seen))
         })
@@ -120,7 +119,7 @@ pub(super) async fn steps(State(dashboard): State<Dashboard>) -> Answer {
     let (look, way, radius) = lock(&dashboard.desk).steps();
     let pictures = dashboard
         .jobs
-        .run(move || planned::draw_steps(look.as_ref(), way.as_deref(), radius))
+        .run(move |going| planned::draw_steps(look.as_ref(), way.as_deref(), radius, going))
         .await?;
     let document = steps::document(&pictures);
     lock(&dashboard.desk).steps = Arc::new(pictures);
@@ -147,24 +146,23 @@ pub(super) async fn scene(State(dashboard): State<Dashboard>, body: Bytes) -> An
     Ok(Json(state_document(&dashboard)))
 }
 
-/// Plans anew.
+/// Plans again.
 pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
     let request: PlanRequest = parse_or_default(&body)?;
     let args = request.way_args()?;
     let mut scene = lock(&dashboard.desk).scene_for(&request)?;
     way::take_ends(&mut scene, &args);
-    let (scene, args, result, answer) = dashboard
+    let (scene, result, answer) = dashboard
         .jobs
-        .run(move || {
+        .run(move |_| {
             let result = planned::plan(&scene, &args);
             let answer = match &result {
-                Ok(way) => Ok(planned::plan_document(way, &args)),
+                Ok(way) => Ok(planned::plan_document(way)),
                 Err(error) => Err(error.clone()),
             };
-            Ok((scene, args, result, answer))
+            Ok((scene, result, answer))
         })
         .await?;
-    let result = result.map(|way| (way, args));
     let revisions = lock(&dashboard.desk).take_plan(scene, result);
     // The page that asked knows what it shows; others fetch it.
     let revision = json!(revisions);
@@ -176,11 +174,9 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
             Ok(Json(document))
         }
         Err(error) => {
-            let mut details = error.details.clone().unwrap_or_else(|| json!({}));
-            if let Some(fields) = details.as_object_mut() {
-                fields.insert("revision".into(), revision);
-            }
-            Err(CliError { details: Some(details), ..error }.into())
+            let mut error = error;
+            error.details.insert("revision".into(), revision);
+            Err(error.into())
         }
     }
 }
@@ -188,7 +184,7 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
 /// Drives the plan on the desk.
 pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
     let request: DriveRequest = parse_or_default(&body)?;
-    let (way, args, photo) = {
+    let (way, photo) = {
         let desk = lock(&dashboard.desk);
         if request.plan.is_some_and(|seen| seen != desk.revisions.plan) {
             return Err(Failure::missing(
@@ -198,7 +194,7 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
             ));
         }
         match desk.plan.as_ref().map(|plan| &plan.result) {
-            Some(Ok((way, args))) => (way.clone(), args.clone(), desk.photo.clone()),
+            Some(Ok(way)) => (way.clone(), desk.photo.clone()),
             _ => {
                 return Err(Failure::missing(
                     "plan.none",
@@ -209,7 +205,7 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
         }
     };
     dashboard.controls.set_unattended(request.unattended);
-    order(&dashboard, Task::Drive(way, args, photo))
+    order(&dashboard, Task::Drive(way, photo))
 }
 
 /// Moves the robot a little.
@@ -277,6 +273,13 @@ fn wish_while_driving(dashboard: &Dashboard, paused: bool) -> Answer {
     }
     dashboard.controls.set_paused(paused);
     Ok(Json(json!({ "paused": paused })))
+}
+
+/// Gives up the photo or plan that is being worked on.
+pub(super) async fn cancel(State(dashboard): State<Dashboard>) -> Answer {
+    let was_busy = dashboard.jobs.is_busy();
+    dashboard.jobs.cancel();
+    Ok(Json(json!({ "cancelled": was_busy })))
 }
 
 /// Stops the robot, whatever else there is.

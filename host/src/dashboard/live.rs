@@ -3,11 +3,12 @@
 use super::lock;
 use crate::cli::run::state_name;
 use protocol::message::{BatteryReport, RobotHello, State, Telemetry};
+use protocol::motion::WheelSpeeds;
 use serde_json::{Value, json};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use wmr::geometry::Point;
+use wmr::geometry::{Point, Pose};
 use wmr::legs::from_wire;
 
 /// What people ask of the robot while it may be busy with something else.
@@ -117,6 +118,8 @@ pub(super) struct RunStatus {
     /// Start and end of each leg, metres.
     pub(super) legs: Vec<[Point; 2]>,
     pub(super) leg: usize,
+    /// Where the plan wants the robot now.
+    pub(super) reference: Option<Pose>,
     /// Seconds of the robot's clock since it began.
     pub(super) time: f64,
     /// Where the robot was, ten times a second.
@@ -146,6 +149,14 @@ impl Live {
             problem: None,
             run: RunStatus::default(),
         }
+    }
+
+    /// Whether the robot says that a stop is over and that it rests.
+    pub(super) fn has_stopped(&self) -> bool {
+        self.telemetry.is_some_and(|last| {
+            matches!(last.state, State::Stopped | State::Faulted(_))
+                && last.wheels == WheelSpeeds::default()
+        })
     }
 
     /// Another robot from now on, of which nothing is known.
@@ -204,6 +215,7 @@ impl Live {
             "legs": run.legs.len(),
             "time": run.time,
             "cross_track": beside.filter(|_| run.active),
+            "reference": run.reference.filter(|_| run.active),
         })
     }
 

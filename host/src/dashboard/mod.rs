@@ -26,6 +26,7 @@ mod live;
 mod paced;
 mod planned;
 mod reading;
+mod reference;
 mod requests;
 mod robot;
 mod router;
@@ -38,6 +39,7 @@ mod steps;
 use crate::cli::error::{CliError, Exit};
 use crate::cli::mission::{catch_interrupts, interrupted};
 use crate::cli::output::Output;
+use crate::cli::stop_desk;
 use archive::Archive;
 use desk::Desk;
 use faults::FaultWish;
@@ -70,8 +72,8 @@ pub(crate) struct Settings {
     pub(crate) log: PathBuf,
     /// Whether to show the page in the browser.
     pub(crate) open: bool,
-    /// Whether the bundled photo lies on the desk already.
-    pub(crate) sample: bool,
+    /// Whether the mission of `wmr demo` lies on the desk already.
+    pub(crate) demo: bool,
 }
 
 /// What all requests share.
@@ -112,8 +114,8 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
         .map_err(|error| cannot_serve(&settings.address, &error))?;
     let address = listener.local_addr().map_err(|error| cannot_serve(&settings.address, &error))?;
     let (dashboard, robot) = start(settings, address);
-    if settings.sample {
-        lock(&dashboard.desk).take_sample()?;
+    if settings.demo {
+        planned::lay_demo(&mut lock(&dashboard.desk)).map_err(|failure| failure.error)?;
     }
     announce(settings, &dashboard.guard, output)?;
     runtime.block_on(async {
@@ -121,7 +123,7 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
         let server = axum::serve(listener, router::router(dashboard.clone()));
         tokio::select! {
             result = server => result.map_err(|error| cannot_serve(&settings.address, &error)),
-            () = interrupt() => Ok(()),
+            () = interrupt(&dashboard) => Ok(()),
         }
     })?;
     dashboard.controls.end();
@@ -218,8 +220,19 @@ fn open_in_browser(address: &str) {
     let _ = command.spawn();
 }
 
-async fn interrupt() {
+/// Until Ctrl-C; meanwhile a stop that another program asks for is passed on, and confirmed at rest.
+async fn interrupt(dashboard: &Dashboard) {
+    let mut asked = false;
     while !interrupted() {
+        let was_asked = asked;
+        asked = stop_desk::asked();
+        if asked && !was_asked {
+            dashboard.controls.stop();
+        }
         tokio::time::sleep(INTERRUPT_INTERVAL).await;
+        // What the robot said before the stop reached it does not count.
+        if was_asked && lock(&dashboard.live).has_stopped() {
+            stop_desk::confirm();
+        }
     }
 }

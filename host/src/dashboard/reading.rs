@@ -2,7 +2,6 @@
 
 use super::error::Failure;
 use crate::cli::args::{TagPointName, VisionArgs};
-use crate::cli::error::{CliError, Exit};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use wmr::shape::Circle;
@@ -33,7 +32,7 @@ struct CameraFile {
 impl Reading {
     /// Checks what a page has sent.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        self.tag_point()?;
+        named::<TagPointName>(&self.tags)?;
         if self.ignore.len() > MOST_IGNORED {
             return Err(Failure::bad_request(format!("more than {MOST_IGNORED} ignored places")));
         }
@@ -50,7 +49,7 @@ impl Reading {
         let disc =
             |&[x, y, radius]: &[f64; 3]| Circle { centre: wmr::geometry::Point { x, y }, radius };
         Ok(VisionArgs {
-            tags: self.tag_point()?,
+            tags: named(&self.tags)?,
             robot_tag: self.robot_tag,
             goal_tag: self.goal_tag,
             ignore: self.ignore.iter().map(disc).collect(),
@@ -61,15 +60,17 @@ impl Reading {
     pub(super) fn camera(&self) -> Option<Camera> {
         self.camera.as_ref().map(|file| file.main.clone())
     }
+}
 
-    fn tag_point(&self) -> Result<Option<TagPointName>, Failure> {
-        let Some(name) = &self.tags else { return Ok(None) };
-        TagPointName::from_str(name, false).map(Some).map_err(|_| {
-            let message = format!("{name:?} is no point of a tag");
-            let help = "outer, centre or inner";
-            CliError::new(Exit::Usage, "http.request", message, help).into()
-        })
-    }
+/// A choice by the name that the command line knows it by.
+pub(super) fn named<T: ValueEnum>(name: &Option<String>) -> Result<Option<T>, Failure> {
+    let Some(name) = name else { return Ok(None) };
+    T::from_str(name, false).map(Some).map_err(|_| {
+        let all: Vec<_> =
+            T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+        let known: Vec<_> = all.iter().map(|value| value.get_name()).collect();
+        Failure::bad_request(format!("{name:?} is not one of {}", known.join(", ")))
+    })
 }
 
 #[cfg(test)]

@@ -3,9 +3,8 @@
 
 use super::error::Failure;
 use super::live::Hold;
-use super::reading::Reading;
+use super::reading::{Reading, named};
 use crate::cli::args::WayArgs;
-use clap::ValueEnum;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -127,13 +126,13 @@ impl PlanRequest {
         args.planner = named(&self.planner)?.unwrap_or(args.planner);
         args.cost = named(&self.cost)?.unwrap_or(args.cost);
         args.inflation = named(&self.inflation)?;
-        args.timing = named(&self.timing)?.unwrap_or(args.timing);
+        args.timing = named(&self.timing)?;
         args.no_reverse = self.no_reverse.unwrap_or(false);
         if let Some(seconds) = self.leg_time {
             if !(seconds > 0.0 && seconds <= MOST_LEG_TIME) {
                 return Err(Failure::bad_request(format!("a leg of {seconds} s is not possible")));
             }
-            args.leg_time = seconds;
+            args.leg_time = Some(seconds);
         }
         Ok(args)
     }
@@ -143,17 +142,6 @@ impl PlanRequest {
 const MOST_MARGIN: f64 = 10.0;
 /// As on the command line, seconds.
 const MOST_LEG_TIME: f64 = 900.0;
-
-/// A name as the command line knows it.
-fn named<T: ValueEnum>(name: &Option<String>) -> Result<Option<T>, Failure> {
-    let Some(name) = name else { return Ok(None) };
-    T::from_str(name, false).map(Some).map_err(|_| {
-        let all: Vec<_> =
-            T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
-        let known: Vec<_> = all.iter().map(|value| value.get_name()).collect();
-        Failure::bad_request(format!("{name:?} is none of {}", known.join(", ")))
-    })
-}
 
 #[cfg(test)]
 mod tests {

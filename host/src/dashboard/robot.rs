@@ -12,12 +12,10 @@ use super::live::{Controls, Hold, Live, RunStatus};
 use super::lock;
 use super::paced::Paced;
 use super::service::ParameterTask;
-use crate::cli::args::WayArgs;
 use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
 use crate::cli::run::Run;
 use crate::cli::way::PlannedWay;
-use hil_sim::base::TruePose;
 use protocol::message::Report;
 use protocol::motion::Limits;
 use protocol::parameters::Parameters;
@@ -54,7 +52,7 @@ pub(super) struct Order {
 #[derive(Debug)]
 pub(super) enum Task {
     /// The way, and the photo in which it was planned.
-    Drive(Box<PlannedWay>, WayArgs, Option<Arc<DeskPhoto>>),
+    Drive(Box<PlannedWay>, Option<Arc<DeskPhoto>>),
     /// So far ahead of where it stands, or behind; metres.
     Ahead(f64),
     /// So far to the left, radians.
@@ -98,7 +96,7 @@ pub(super) fn spawn(
             deadman: None,
             own_parameters: None,
         };
-        // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can begin anew.
+        // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can start again.
         while catch_unwind(AssertUnwindSafe(|| robot.run(&orders))).is_err() {
             robot.client = None;
             robot.deadman = None;
@@ -159,11 +157,7 @@ impl RobotThread {
             if Instant::now() < self.next_try {
                 return std::thread::sleep(IDLE_STEP);
             }
-            let nowhere = SimulatedWorld {
-                world: None,
-                start: TruePose::default(),
-                seed: self.settings.seed,
-            };
+            let nowhere = SimulatedWorld::nowhere(self.settings.seed);
             match self.open(nowhere, SimulatedRobot::Default) {
                 Ok(client) => self.client = Some(client),
                 Err(error) => return self.lose(&error),
@@ -205,7 +199,7 @@ impl RobotThread {
     pub(super) fn lose(&mut self, error: &CliError) {
         self.client = None;
         self.next_try = Instant::now() + RETRY;
-        lock(&self.live).lose(error.json()["error"].clone());
+        lock(&self.live).lose(serde_json::json!(error.failure()));
     }
 
     fn carry_out(&mut self, order: Order) {
@@ -219,7 +213,7 @@ impl RobotThread {
             return self.end_run(None, Some(&stopped()));
         }
         let result = match task {
-            Task::Drive(way, args, photo) => self.drive_and_keep(&way, &args, photo, order.stops),
+            Task::Drive(way, photo) => self.drive_and_keep(&way, photo, order.stops),
             Task::Held(hold) => self.move_held(hold, order.stops),
             Task::Ahead(distance) => self.move_by(distance, 0.0, order.stops),
             Task::Turn(angle) => self.move_by(0.0, angle, order.stops),
@@ -267,7 +261,7 @@ impl RobotThread {
 
     pub(super) fn end_run(&self, run: Option<&Run>, error: Option<&CliError>) {
         let report = run.map(|run| {
-            let mut report = run.document();
+            let mut report = serde_json::json!(run.document());
             if let Some(fields) = report.as_object_mut() {
                 let planned = planned_end(&run.legs, &run.limits);
                 fields.insert("planned_end".into(), serde_json::json!(planned));
@@ -275,7 +269,7 @@ impl RobotThread {
             report
         });
         let lines = run.map(Run::lines).unwrap_or_default();
-        let error = error.map(|error| error.json()["error"].clone());
+        let error = error.map(|error| serde_json::json!(error.failure()));
         lock(&self.live).run.end(report, error, lines);
         self.controls.set_paused(false);
     }

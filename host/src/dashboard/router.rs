@@ -35,6 +35,7 @@ pub(super) fn routes() -> Vec<(&'static str, &'static str, MethodRouter<Dashboar
         ("post", "/api/steps", post(handlers::steps)),
         ("get", "/api/steps/{name}", get(handlers::step)),
         ("post", "/api/plan", post(handlers::plan)),
+        ("post", "/api/cancel", post(handlers::cancel)),
         ("post", "/api/drive", post(handlers::drive)),
         ("post", "/api/pause", post(handlers::pause)),
         ("post", "/api/resume", post(handlers::resume)),

@@ -8,6 +8,7 @@ use crate::cli::params::{self, Change};
 use protocol::parameters::{FIELDS, Parameters};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
+use wmr::document::shortest;
 use wmr::legs::from_wire;
 use wmr::link::drive::wait_for;
 use wmr::link::parameters::{Answer, Exchange, Request};
@@ -113,8 +114,8 @@ impl RobotThread {
 fn document(parameters: &Parameters) -> Value {
     let number = |(field, value): (&protocol::parameters::Field, f32)| {
         json!({
-            "name": field.name, "unit": field.unit, "value": params::shortest(value),
-            "least": params::shortest(field.least), "most": params::shortest(field.most),
+            "name": field.name, "unit": field.unit, "value": shortest(value),
+            "least": shortest(field.least), "most": shortest(field.most),
         })
     };
     let numbers: Vec<Value> = FIELDS.iter().zip(parameters.values()).map(number).collect();

@@ -62,16 +62,21 @@ pub enum DriveEvent {
 }
 
 /// Why a drive ended before the goal.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum DriveError {
     /// The mission has failed.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Mission(#[from] MissionError),
     /// A stop was asked for, and the robot rests.
     #[error("the robot has stopped and rests")]
+    #[diagnostic(help("drive again when ready"))]
     Stopped,
     /// A stop was asked for, and the robot did not confirm it within [`STOP_TIMEOUT`].
     #[error("the robot did not say that it rests; it stops by itself after 0.3 s of silence")]
+    #[diagnostic(help(
+        "look whether it stands; if it does not, pull its cable or switch off its battery"
+    ))]
     StopUnconfirmed,
 }
 
@@ -111,9 +116,39 @@ pub fn drive_as_wished<P: TimedPort>(
     wish: impl Fn() -> Wish,
     mut on_event: impl FnMut(DriveEvent, &Mission),
 ) -> Result<Pose, DriveError> {
-    let mut replug = Replug::default();
-    let mut stop_by = None;
+    let mut driver = Driver::default();
     loop {
+        let arrived = driver.step(client, mission, &wish, &mut on_event)?;
+        if let Some(pose) = arrived {
+            return Ok(pose);
+        }
+        client
+            .port_mut()
+            .wait(POLL_INTERVAL)
+            .map_err(|error| MissionError::from(LinkError::from(error)))?;
+    }
+}
+
+/// The steps of a drive, for a loop that does something else between them.
+#[derive(Debug, Default)]
+pub struct Driver {
+    replug: Replug,
+    stop_by: Option<Duration>,
+}
+
+impl Driver {
+    /// One step of `mission` at the port's time; the robot's pose once it has arrived. Between two steps
+    /// lies a wait of [`POLL_INTERVAL`].
+    ///
+    /// # Errors
+    /// [`DriveError`]; [`Mission::progress`] says how far it came.
+    pub fn step<P: TimedPort>(
+        &mut self,
+        client: &mut LinkClient<P>,
+        mission: &mut Mission,
+        wish: &impl Fn() -> Wish,
+        on_event: &mut impl FnMut(DriveEvent, &Mission),
+    ) -> Result<Option<Pose>, DriveError> {
         let now = client.port_mut().now();
         let wished = wish();
         // Before the robot has the plan there is nothing that it could pause.
@@ -125,31 +160,28 @@ pub fn drive_as_wished<P: TimedPort>(
         }
         if wished == Wish::Stop {
             client.stop();
-            if now > *stop_by.get_or_insert(now + STOP_TIMEOUT) {
+            if now > *self.stop_by.get_or_insert(now + STOP_TIMEOUT) {
                 return Err(DriveError::StopUnconfirmed);
             }
         }
-        if let Some(event) = replug.on_port(client.port_mut().is_open(), now) {
+        if let Some(event) = self.replug.on_port(client.port_mut().is_open(), now) {
             on_event(event, mission);
         }
-        client.set_patience(RECEIVE_TIMEOUT + replug.lost_for);
+        client.set_patience(RECEIVE_TIMEOUT + self.replug.lost_for);
         let events = mission.step(client, now).map_err(|error| match error {
             MissionError::Stopped if wish() == Wish::Stop => DriveError::Stopped,
             error => error.into(),
         })?;
         for event in events {
             if matches!(event, MissionEvent::Telemetry(_)) {
-                replug.lost_for = Duration::ZERO;
+                self.replug.lost_for = Duration::ZERO;
             }
             on_event(DriveEvent::Mission(event), mission);
             if let MissionEvent::Done(pose) = event {
-                return Ok(pose);
+                return Ok(Some(pose));
             }
         }
-        client
-            .port_mut()
-            .wait(POLL_INTERVAL)
-            .map_err(|error| MissionError::from(LinkError::from(error)))?;
+        Ok(None)
     }
 }
 
@@ -250,139 +282,5 @@ mod tests {
     }
 }
 
-#[cfg(all(test, feature = "cli"))]
-mod on_a_simulated_robot {
-    use super::*;
-    use crate::geometry::Point;
-    use crate::legs::{DEFAULT_LIMITS, LegOptions, to_legs};
-    use hil_sim::base::{BaseParameters, TruePose, WheeledBase};
-    use hil_sim::in_process::InProcess;
-    use hil_sim::simulation::Simulation;
-    use protocol::message::{PauseReason, State};
-    use std::cell::Cell;
-
-    struct Simulated(Simulation<InProcess>);
-
-    impl Read for Simulated {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            self.0.read(buffer)
-        }
-    }
-
-    impl Write for Simulated {
-        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-            self.0.write(buffer)
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            self.0.flush()
-        }
-    }
-
-    impl TimedPort for Simulated {
-        fn now(&self) -> Duration {
-            self.0.now()
-        }
-
-        fn wait(&mut self, duration: Duration) -> io::Result<()> {
-            self.0.wait(duration)
-        }
-    }
-
-    fn client() -> LinkClient<Simulated> {
-        let start = TruePose { x: 0.2, y: 0.5, heading: 0.0 };
-        let base = WheeledBase::new(BaseParameters::seeded(1), start);
-        LinkClient::new(Simulated(Simulation::new(InProcess::default(), base, None)), 1)
-    }
-
-    /// A path of 0.6 m in one leg.
-    fn mission() -> Mission {
-        let path = [Point::new(0.2, 0.5), Point::new(0.8, 0.5)];
-        let options = LegOptions { timing: protocol::motion::Timing::Limits, reverse: false };
-        Mission::new(to_legs(&path, 0.0, None, &options, &DEFAULT_LIMITS), Pose::new(0.2, 0.5, 0.0))
-    }
-
-    /// Within 10 mm of the goal by the robot's own word: what a drive is allowed to miss.
-    #[test]
-    fn a_mission_is_driven_to_its_goal() {
-        let (mut client, mut mission, mut done) = (client(), mission(), 0);
-        let pose = drive(
-            &mut client,
-            &mut mission,
-            || false,
-            |event, _| {
-                done += u32::from(matches!(event, DriveEvent::Mission(MissionEvent::LegDone(_))));
-            },
-        )
-        .unwrap();
-        assert_eq!(done, 1);
-        assert!((pose.x.0 - 0.8).abs() < 0.01 && (pose.y.0 - 0.5).abs() < 0.01, "{pose:?}");
-    }
-
-    #[test]
-    fn a_stop_ends_it_on_the_way() {
-        let (mut client, mut mission) = (client(), mission());
-        let stop = Cell::new(false);
-        let result = drive(
-            &mut client,
-            &mut mission,
-            || stop.get(),
-            |_, mission| {
-                stop.set(mission.progress().pose.x.0 > 0.4);
-            },
-        );
-        assert!(matches!(result, Err(DriveError::Stopped)), "{result:?}");
-        let reached = mission.progress().pose.x.0;
-        assert!((0.4..0.7).contains(&reached), "{reached}");
-        assert_eq!(mission.progress().next, 0);
-    }
-
-    #[test]
-    fn a_pause_holds_the_robot_until_it_is_to_drive_on() {
-        let (mut client, mut mission) = (client(), mission());
-        let (wish, held, paused) = (Cell::new(Wish::Drive), Cell::new(0), Cell::new(0.0));
-        let pose = drive_as_wished(
-            &mut client,
-            &mut mission,
-            || wish.get(),
-            |event, mission| {
-                let DriveEvent::Mission(MissionEvent::Telemetry(telemetry)) = event else { return };
-                let x = mission.progress().pose.x.0;
-                if x > 0.4 && held.get() == 0 {
-                    wish.set(Wish::Pause);
-                }
-                if telemetry.state == State::Paused(PauseReason::Command)
-                    && telemetry.wheels == protocol::motion::WheelSpeeds::default()
-                {
-                    if held.get() > 0 {
-                        assert!((x - paused.get()).abs() < 1e-3, "moves while paused");
-                    }
-                    paused.set(x);
-                    held.set(held.get() + 1);
-                }
-                if held.get() == 50 {
-                    wish.set(Wish::Drive);
-                }
-            },
-        )
-        .unwrap();
-        assert!(held.get() >= 50 && paused.get() < 0.7, "{held:?} {paused:?}");
-        assert!((pose.x.0 - 0.8).abs() < 0.01, "{pose:?}");
-    }
-
-    #[test]
-    fn waiting_ends_when_cancelled() {
-        let mut client = client();
-        let robot = wait_for(
-            &mut client,
-            || false,
-            |client, now| {
-                client.poll(now)?;
-                Ok::<_, LinkError>(client.robot().copied())
-            },
-        );
-        assert!(robot.unwrap().is_some());
-        let never = |_: &mut LinkClient<Simulated>, _| Ok::<Option<()>, LinkError>(None);
-        assert_eq!(wait_for(&mut client, || true, never).unwrap(), None);
-    }
-}
+#[cfg(all(test, feature = "simulation"))]
+mod on_a_simulated_robot;

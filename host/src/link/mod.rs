@@ -23,6 +23,7 @@ mod stop;
 mod usb;
 mod watch;
 
+pub(crate) use error::describe;
 pub use error::{Impossible, LinkError, MissionError, Unfit};
 pub use fitness::check_robot;
 
@@ -217,6 +218,7 @@ impl<P: Read + Write> LinkClient<P> {
 
     /// Asks the robot to stop on its path, again and again until it says that it has heard.
     pub fn stop(&mut self) {
+        self.pause_wanted = false;
         self.stop.ask(Manner::OnPath);
     }
 

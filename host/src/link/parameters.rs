@@ -49,13 +49,15 @@ pub enum Answer {
 }
 
 /// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ParameterError {
     /// The link failed.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Link(#[from] LinkError),
     /// The robot refused.
     #[error("the robot keeps its numbers: {}", describe(.0))]
+    #[diagnostic(help("{}", remedy(.0)))]
     Refused(ParameterRefusal),
 }
 
@@ -147,7 +149,7 @@ pub fn describe(refusal: &ParameterRefusal) -> String {
             )
         }
         ParameterRefusal::TooFast => {
-            "the motors cannot turn the wheels that fast; lower speed, or raise no-load-speed"
+            "the motors cannot turn the wheels that fast"
                 .into()
         }
         ParameterRefusal::BatteryLevels => {
@@ -160,12 +162,24 @@ pub fn describe(refusal: &ParameterRefusal) -> String {
         ParameterRefusal::UnstableTracker => {
             "the robot would swing about its path: lower across-gain or speed, or raise heading-gain (heading-gain > 0.6 * speed * square root of across-gain, across-gain * speed^2 <= 400)".into()
         }
-        ParameterRefusal::NotAtRest => {
-            "it drives, or waits on its way; stop it with wmr stop".into()
-        }
-        ParameterRefusal::NotOwner => "another link drives it; disconnect that one".into(),
-        ParameterRefusal::NotStored => {
-            "its flash does not hold what was written; try again, or replace the board".into()
+        ParameterRefusal::NotAtRest => "it drives, or waits on its way".into(),
+        ParameterRefusal::NotOwner => "another link drives it".into(),
+        ParameterRefusal::NotStored => "its flash does not hold what was written".into(),
+    }
+}
+
+/// What to do about a refusal.
+fn remedy(refusal: &ParameterRefusal) -> &'static str {
+    match refusal {
+        ParameterRefusal::TooFast => "lower speed, or raise no-load-speed",
+        ParameterRefusal::NotAtRest => "stop it with wmr stop",
+        ParameterRefusal::NotOwner => "disconnect that one",
+        ParameterRefusal::NotStored => "try again, or replace the board",
+        ParameterRefusal::OutOfRange { .. }
+        | ParameterRefusal::BatteryLevels
+        | ParameterRefusal::UnstableWheels
+        | ParameterRefusal::UnstableTracker => {
+            "nothing has changed; wmr params shows all numbers and their ranges"
         }
     }
 }

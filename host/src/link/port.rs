@@ -14,28 +14,43 @@ use std::time::Duration;
 pub const USB_PRODUCT: &str = "wmr base";
 
 /// Why no port was opened.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum PortError {
     /// Nothing of that name.
     #[error("there is no port {name}")]
+    #[diagnostic(help("{}", instead_of(name)))]
     Missing {
+        /// What was asked for.
+        name: String,
+    },
+    /// A computer that was reached, but no program on it.
+    #[error("nobody listens at {name}")]
+    #[diagnostic(help("start what shall listen there, such as wmr sim --tcp {}", name.trim_start_matches("tcp://")))]
+    NobodyListens {
         /// What was asked for.
         name: String,
     },
     /// Another program has it.
     #[error("{name} is open in another program")]
+    #[diagnostic(help(
+        "close the other program (a serial monitor? a second wmr? press Ctrl-C there); to stop the robot at once pull its cable: it stops within 0.3 s of silence"
+    ))]
     Busy {
         /// What was asked for.
         name: String,
     },
     /// The user may not open it.
     #[error("{name} may not be opened by this user")]
+    #[diagnostic(help(
+        "join the group that the device belongs to, which on most systems is dialout, then log out and in"
+    ))]
     Denied {
         /// What was asked for.
         name: String,
     },
     /// No robot, or more than one, on USB.
-    #[error("{found} robots found on USB ({looked_at} serial ports looked at)")]
+    #[error("{} found on USB ({} looked at)", counted(*.found, "robot"), counted(*.looked_at, "serial port"))]
+    #[diagnostic(help("{}", choose(*.found)))]
     NotOne {
         /// Robots found.
         found: usize,
@@ -44,12 +59,16 @@ pub enum PortError {
     },
     /// The robot's board waits for a firmware instead of running one.
     #[error("{name} is not there, but a Pico waits in its boot loader")]
+    #[diagnostic(help(
+        "plug it in again without holding BOOTSEL, or give it its firmware: wmr flash target/firmware/pico.uf2"
+    ))]
     BootLoader {
         /// What was asked for.
         name: String,
     },
     /// Something else.
     #[error("{name} cannot be opened: {cause}")]
+    #[diagnostic(help("wmr ports lists what is there"))]
     Other {
         /// What was asked for.
         name: String,
@@ -58,8 +77,35 @@ pub enum PortError {
     },
 }
 
+/// What to give in place of a port that is not there.
+fn instead_of(name: &str) -> String {
+    match name.to_lowercase().as_str() {
+        known @ ("sim" | "auto") => {
+            format!("did you mean --port {known}? wmr ports lists what is there")
+        }
+        _ => "wmr ports lists what is there; without a robot: --port sim".to_owned(),
+    }
+}
+
+fn choose(found: usize) -> &'static str {
+    match found {
+        0 => "plug the robot in with a data cable, or try without one: --port sim",
+        _ => "choose one with --port; wmr ports lists them",
+    }
+}
+
+fn counted(number: usize, what: &str) -> String {
+    match number {
+        0 => format!("no {what}"),
+        1 => format!("1 {what}"),
+        number => format!("{number} {what}s"),
+    }
+}
+
 /// The speed of the robot's UART; USB and pseudo-terminals ignore it.
 const BAUD: u32 = 115_200;
+/// The speed that asks a board for its boot loader.
+const TOUCH_BAUD: u32 = 1200;
 /// A read waits this long for a first byte.
 const READ_TIMEOUT: Duration = Duration::from_millis(1);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -145,6 +191,21 @@ fn open_serial(name: &str) -> Result<Box<dyn SerialPort>, PortError> {
     port.map_err(|error| explain_serial(name, error, Path::new(name).exists()))
 }
 
+/// Opens a serial port at 1200 baud and closes it again: for a robot at rest, and for many other boards,
+/// the word to go to its boot loader. One that drives passes it over.
+///
+/// # Errors
+/// [`PortError`] with the reason if the port cannot be opened.
+pub fn touch(name: &str) -> Result<(), PortError> {
+    let port = serialport::new(name, TOUCH_BAUD).timeout(READ_TIMEOUT).open();
+    port.map(drop).map_err(|error| explain_serial(name, error, Path::new(name).exists()))
+}
+
+/// Whether a Pico waits in its boot loader on USB; only Linux tells.
+pub fn boot_loader_waits() -> bool {
+    usb::boot_loader_waits()
+}
+
 fn explain_serial(name: &str, error: serialport::Error, exists: bool) -> PortError {
     match error.kind() {
         // The crate says NoDevice both for a missing device and for one that is locked.
@@ -174,7 +235,8 @@ fn open_tcp(address: &str) -> io::Result<TcpStream> {
 fn explain(name: &str, error: &io::Error) -> PortError {
     let name = name.to_owned();
     match error.kind() {
-        ErrorKind::NotFound | ErrorKind::ConnectionRefused => PortError::Missing { name },
+        ErrorKind::NotFound => PortError::Missing { name },
+        ErrorKind::ConnectionRefused => PortError::NobodyListens { name },
         ErrorKind::PermissionDenied => PortError::Denied { name },
         ErrorKind::ResourceBusy => PortError::Busy { name },
         _ => PortError::Other { name, cause: error.to_string() },
@@ -262,8 +324,8 @@ mod tests {
     }
 
     #[test]
-    fn nobody_listening_is_a_missing_port() {
+    fn an_address_at_which_nobody_listens_is_told() {
         let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-        assert!(matches!(open(&format!("tcp://{free}")), Err(PortError::Missing { .. })));
+        assert!(matches!(open(&format!("tcp://{free}")), Err(PortError::NobodyListens { .. })));
     }
 }

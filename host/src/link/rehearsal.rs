@@ -50,8 +50,9 @@ pub trait Director<P> {
     /// Those of the port.
     fn disturb(&mut self, port: &mut P) -> std::io::Result<()>;
 
-    /// Where a camera sees the robot, if there is one.
-    fn look(&mut self, _port: &P) -> Option<Pose> {
+    /// Where a camera saw the robot in the newest picture that has come, and when that was exposed, by the
+    /// port's clock; `None` if none has come, or none shows it.
+    fn look(&mut self, _port: &mut P) -> Option<(Duration, Pose)> {
         None
     }
 }
@@ -316,7 +317,7 @@ impl<'a, P: TimedPort, D: Director<P>> Rehearsal<'a, P, D> {
         disturbed.map_err(|error| LinkError::from(error).into())
     }
 
-    /// Tells the robot where a camera sees it.
+    /// Tells the robot where a camera has seen it.
     fn look(&mut self, now: Duration) {
         if now < self.looked + FRAME {
             return;
@@ -324,9 +325,12 @@ impl<'a, P: TimedPort, D: Director<P>> Rehearsal<'a, P, D> {
         self.looked = now;
         let Some(telemetry) = self.client.telemetry().copied() else { return };
         let Some(said) = self.client.clock().host_time(telemetry.ticks) else { return };
-        let Some(pose) = self.director.look(self.client.port_mut()) else { return };
-        let since = now.saturating_sub(said).as_millis() as u32 / TICK_MILLISECONDS;
-        let ticks = telemetry.ticks.wrapping_add(since);
+        let Some((exposed, pose)) = self.director.look(self.client.port_mut()) else { return };
+        let ticks = |from: Duration, to: Duration| {
+            to.saturating_sub(from).as_millis() as u32 / TICK_MILLISECONDS
+        };
+        let ticks =
+            telemetry.ticks.wrapping_add(ticks(said, exposed)).wrapping_sub(ticks(exposed, said));
         self.client.send(Command::SetPose(CameraPose { ticks, pose }));
     }
 

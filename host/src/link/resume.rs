@@ -16,10 +16,11 @@ pub const MAX_BESIDE: f64 = 0.010;
 pub const MAX_ROLL: f64 = 0.2;
 
 /// Why the rest of a plan cannot be driven from where the robot stands.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum ResumeError {
     /// It was moved, not only coasted, after its restart.
     #[error("the robot has moved {:.0} mm since it restarted", distance * 1000.0)]
+    #[diagnostic(help("plan again from where it stands, with --start x,y,heading"))]
     Moved {
         /// How far, metres.
         distance: f64,
@@ -29,6 +30,7 @@ pub enum ResumeError {
         "the robot stands at ({:.3}, {:.3}) m, {:.1}°, {:.0} mm beside leg {} of the plan",
         pose.position.x, pose.position.y, pose.heading.to_degrees(), distance * 1000.0, leg + 1
     )]
+    #[diagnostic(help("plan again from there with --start x,y,heading"))]
     Beside {
         /// Where it stands.
         pose: Pose,

@@ -24,12 +24,16 @@ impl Tolerance {
 }
 
 /// The robot is not where the plan begins.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 #[error(
     "the robot knows itself to stand at ({:.3}, {:.3}) m, {:.1}°, but the plan begins at ({:.3}, {:.3}) m, {:.1}°",
     stands.position.x, stands.position.y, stands.heading.to_degrees(),
     begins.position.x, begins.position.y, begins.heading.to_degrees()
 )]
+#[diagnostic(help(
+    "plan again from where it stands, with --start {:.3},{:.3},{:.1}; or, if it was carried back to the plan's start, say --from-start",
+    stands.position.x, stands.position.y, stands.heading.to_degrees()
+))]
 pub struct Elsewhere {
     /// Where the robot stands.
     pub stands: Pose,

@@ -87,7 +87,7 @@ impl Watch {
         let Some(telemetry) = telemetry else { return Ok(()) };
         let since = self.ticks.replace(telemetry.ticks).unwrap_or(telemetry.ticks);
         let step = telemetry.ticks.wrapping_sub(since).min(LONGEST_STEP);
-        // A camera's poses keep the wire busy again and again: that must not begin the wait anew.
+        // A camera's poses keep the wire busy again and again: that must not restart the wait.
         self.waited += if busy { 0 } else { step };
         match awaited {
             Awaited::Answer if self.waited > ANSWER_TICKS => {

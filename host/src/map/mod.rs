@@ -31,13 +31,17 @@ pub struct CellMap {
 }
 
 /// Why a map cannot be read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum MapError {
     /// A line that must be there is not.
-    #[error("the map has no `{0}`; is it the right file?")]
+    #[error("the map has no `{0}`")]
+    #[diagnostic(help(
+        "give a Moving AI .map file, or the .yaml file of a ROS map beside its picture"
+    ))]
     Missing(&'static str),
     /// A value cannot be understood.
-    #[error("`{what}` is `{value}`; {need}")]
+    #[error("`{what}` is `{value}`: {need}")]
+    #[diagnostic(help("correct that line of the map"))]
     Value {
         /// The field.
         what: &'static str,
@@ -47,7 +51,8 @@ pub enum MapError {
         need: &'static str,
     },
     /// There are fewer cells than the head announces.
-    #[error("the map announces {expected} cells but has {found}; the file is cut off")]
+    #[error("the map announces {expected} cells but has {found}, so the file is cut off")]
+    #[diagnostic(help("copy or make the file again"))]
     Cut {
         /// As announced.
         expected: usize,
@@ -55,15 +60,18 @@ pub enum MapError {
         found: usize,
     },
     /// The picture of a ROS map cannot be decoded.
-    #[error("the map's picture cannot be decoded: {0}; give a PGM or PNG file")]
+    #[error("the map's picture cannot be decoded: {0}")]
+    #[diagnostic(help("give a PGM or PNG file"))]
     Picture(String),
     /// The text of a ROS map is not YAML.
     #[error("the text is not YAML: {0}")]
+    #[diagnostic(help("give the .yaml file of a ROS map"))]
     Yaml(String),
     /// A cell's letter is not of the Moving AI format.
-    #[error(
-        "the map has a cell `{letter}` in row {row}; letters are . G S (free) and @ O T W (blocked), weights of the ground are not understood"
-    )]
+    #[error("the map has a cell `{letter}` in row {row}")]
+    #[diagnostic(help(
+        "letters are . G S (free) and @ O T W (blocked); weights of the ground are not understood"
+    ))]
     Letter {
         /// The letter.
         letter: char,

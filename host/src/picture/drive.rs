@@ -3,11 +3,6 @@
 use super::vision::{drawn, opened, plan_view_picture, robot};
 use crate::geometry::{Point, Pose};
 use crate::vision::Steps;
-use std::fmt::Write;
-
-/// The colours of what is planned and what is driven.
-const PLANNED: &str = "#ffffff";
-const DRIVEN: &str = "#1f6fd6";
 
 /// Draws `planned` (white, wide), the poses that the robot reported (blue) and its disc at both ends,
 /// in the arena's frame, metres, over the plan view of `steps`.
@@ -23,19 +18,10 @@ pub fn drive_picture(
     for pose in driven.first().into_iter().chain(driven.last()) {
         robot(&mut svg, |point| drawn(arena, point), *pose, radius);
     }
-    let mut line = |points: &mut dyn Iterator<Item = Point>, colour, width| {
-        svg.push_str("<polyline points=\"");
-        for point in points {
-            let (x, y) = drawn(arena, point);
-            // Writing into a string cannot fail.
-            let _ = write!(svg, "{x:.1},{y:.1} ");
-        }
-        let _ = writeln!(
-            svg,
-            "\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
-        );
+    let mut line = |points: &mut dyn Iterator<Item = Point>, class| {
+        svg.polyline(&points.map(|point| drawn(arena, point)).collect::<Vec<_>>(), class);
     };
-    line(&mut planned.iter().copied(), PLANNED, 9);
-    line(&mut driven.iter().map(|pose| pose.position), DRIVEN, 4);
-    svg + "</svg>\n"
+    line(&mut planned.iter().copied(), "photo-planned");
+    line(&mut driven.iter().map(|pose| pose.position), "photo-driven");
+    svg.finish(&[])
 }

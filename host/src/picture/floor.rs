@@ -1,7 +1,7 @@
 //! The arena seen from above as the ground of a picture: metres in, pixels out, y turned down.
 
 use super::svg::{Svg, Swatch, TITLE_HEIGHT};
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Arena, Point, Pose, Rect};
 use crate::grid::{LatticePoint, LatticeRect};
 use crate::scene::Scene;
 use crate::shape::Shape;
@@ -13,6 +13,9 @@ const PAD: f64 = 18.0;
 
 /// The least width of a picture, so that title and legend have room, pixels.
 const LEAST_WIDTH: f64 = 640.0;
+
+/// More obstacles than these are not numbered: nobody could read it.
+const MOST_NUMBERED: usize = 60;
 
 /// A picture of the floor in the making.
 #[derive(Clone, Debug)]
@@ -30,14 +33,49 @@ impl Floor {
         let svg = Svg::new(width, arena.height * scale + 2.0 * PAD, title, subtitle);
         let mut floor = Self { svg, arena, scale, left: (width - arena.width * scale) / 2.0 };
         floor.rect(Rect::new(0.0, 0.0, arena.width, arena.height), "floor");
+        floor.scale_bar();
         floor
     }
 
-    /// The true obstacles, cut off at the arena's border.
+    /// The true obstacles, cut off at the arena's border, with the numbers that errors give them.
     pub(super) fn obstacles(&mut self, scene: &Scene) {
         for obstacle in &scene.obstacles {
             self.shape(&obstacle.footprint, "obstacle");
         }
+        if scene.obstacles.len() > MOST_NUMBERED {
+            return;
+        }
+        for (index, obstacle) in scene.obstacles.iter().enumerate() {
+            let (x, y) = self.pixel(obstacle.footprint.bounds().centre());
+            self.svg.text((x, y + 4.5), "on-dark", "middle", 13.0, &(index + 1).to_string());
+        }
+    }
+
+    /// A bar of a round length with its length, in the upper right corner above the floor.
+    fn scale_bar(&mut self) {
+        let right = self.left + self.arena.width * self.scale;
+        let wanted = self.arena.width.max(self.arena.height) / 5.0;
+        let power = 10f64.powf(wanted.log10().floor());
+        let factor = [5.0, 2.0, 1.0].into_iter().find(|factor| factor * power <= wanted);
+        let length = factor.unwrap_or(1.0) * power;
+        let (left, y) = (right - length * self.scale, TITLE_HEIGHT + 4.0);
+        let ends = [(left, y - 4.0), (left, y), (right, y), (right, y - 4.0)];
+        self.svg.polyline(&ends, "ruler");
+        let label = if length < 1.0 {
+            format!("{:.0} cm", length * 100.0)
+        } else {
+            format!("{length:.0} m")
+        };
+        self.svg.text((left - 6.0, y + 1.0), "number", "end", 12.0, &label);
+    }
+
+    /// The robot's disc at its true size, with a line ahead.
+    pub(super) fn robot(&mut self, pose: Pose, radius: f64) {
+        self.dot(pose.position, radius * self.scale, "robot");
+        let Point { x, y } = pose.position;
+        let (sin, cos) = pose.heading.sin_cos();
+        let ahead = Point::new(x + radius * cos, y + radius * sin);
+        self.polyline(&[pose.position, ahead], "heading");
     }
 
     /// A shape, cut off at the arena's border.

@@ -13,8 +13,6 @@ pub struct TimedPose {
     pub pose: Pose,
 }
 
-const WIDTH: f64 = 880.0;
-const HEIGHT: f64 = 270.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 20.0;
 const ABOVE: f64 = 30.0;
@@ -31,8 +29,8 @@ const BELOW: f64 = 45.0;
 pub fn motion_svg(planned: &[TimedPose], measured: &[TimedPose]) -> String {
     let end = planned.iter().chain(measured).map(|at| at.time).fold(1.0, f64::max);
     let mut svg = Svg::new(
-        WIDTH,
-        2.0 * HEIGHT,
+        Chart::WIDTH,
+        2.0 * Chart::HEIGHT,
         "The driven mission",
         "planned against measured by the robot",
     );
@@ -41,7 +39,8 @@ pub fn motion_svg(planned: &[TimedPose], measured: &[TimedPose]) -> String {
         ("Heading, degrees", headings(planned), headings(measured)),
     ];
     for (row, (title, planned, measured)) in charts.iter().enumerate() {
-        let chart = Chart::new(TITLE_HEIGHT + row as f64 * HEIGHT, end, &[planned, measured]);
+        let chart =
+            Chart::new(TITLE_HEIGHT + row as f64 * Chart::HEIGHT, end, &[planned, measured]);
         chart.frame(&mut svg, title);
         svg.polyline(&chart.points(planned), "planned");
         svg.polyline(&chart.points(measured), "measured");
@@ -49,7 +48,7 @@ pub fn motion_svg(planned: &[TimedPose], measured: &[TimedPose]) -> String {
     svg.finish(&[(Swatch::Line("planned"), "planned"), (Swatch::Line("measured"), "measured")])
 }
 
-type Series = Vec<(f64, f64)>;
+pub(super) type Series = Vec<(f64, f64)>;
 
 fn displacement(poses: &[TimedPose]) -> Series {
     let mut covered = 0.0;
@@ -72,7 +71,8 @@ fn headings(poses: &[TimedPose]) -> Series {
         .collect()
 }
 
-struct Chart {
+/// A chart over time, one of several below each other.
+pub(super) struct Chart {
     top: f64,
     end: f64,
     low: f64,
@@ -81,7 +81,10 @@ struct Chart {
 }
 
 impl Chart {
-    fn new(top: f64, end: f64, series: &[&Series]) -> Self {
+    pub(super) const WIDTH: f64 = 880.0;
+    pub(super) const HEIGHT: f64 = 270.0;
+
+    pub(super) fn new(top: f64, end: f64, series: &[&Series]) -> Self {
         let values = || series.iter().flat_map(|series| series.iter().map(|(_, value)| *value));
         let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
         let step = round_step((high - low).max(1e-3) / 5.0);
@@ -89,22 +92,22 @@ impl Chart {
     }
 
     fn x(&self, time: f64) -> f64 {
-        LEFT + time / self.end * (WIDTH - LEFT - RIGHT)
+        LEFT + time / self.end * (Chart::WIDTH - LEFT - RIGHT)
     }
 
     fn y(&self, value: f64) -> f64 {
-        let height = HEIGHT - ABOVE - BELOW;
+        let height = Chart::HEIGHT - ABOVE - BELOW;
         self.top
             + ABOVE
             + height * (1.0 - (value - self.low) / (self.high - self.low).max(self.step))
     }
 
-    fn points(&self, series: &Series) -> Vec<(f64, f64)> {
+    pub(super) fn points(&self, series: &Series) -> Vec<(f64, f64)> {
         series.iter().map(|(time, value)| (self.x(*time), self.y(*value))).collect()
     }
 
-    fn frame(&self, svg: &mut Svg, title: &str) {
-        let right = WIDTH - RIGHT;
+    pub(super) fn frame(&self, svg: &mut Svg, title: &str) {
+        let right = Chart::WIDTH - RIGHT;
         svg.text((LEFT, self.top + ABOVE - 12.0), "element", "start", 13.0, title);
         let lines = ((self.high - self.low) / self.step).round().max(1.0) as u32;
         for value in (0..=lines).map(|line| self.low + f64::from(line) * self.step) {

@@ -156,6 +156,10 @@ pub fn path(scene: &Scene, plan: &Plan, options: &PlanOptions) -> String {
     if let Some(stages) = stages {
         global_path(&mut floor, stages, &mut legend);
     }
+    if let Some(pose) = scene.start {
+        floor.robot(pose, scene.robot_radius);
+        legend.push((Swatch::Fill("robot"), "robot, true size"));
+    }
     floor.polyline(&plan.waypoints, "path");
     legend.push((Swatch::Line("path"), "path"));
     if let Some(stages) = stages {

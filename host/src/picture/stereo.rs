@@ -2,16 +2,13 @@
 //!
 //! All in the plan view, x to the right and y up, with a margin around the arena into which tops lean.
 
-use super::vision::{NamedPicture, colour_picture, embedded, outlined, robot, shape};
+use super::svg::Svg;
+use super::vision::{NamedPicture, colour_picture, outlined, robot};
 use crate::geometry::{Point, Rect};
 use crate::vision::{PairDetection, PairSteps, PlanFrame, Raster, srgb_code};
-use std::fmt::Write;
 
 /// Pixels per metre of the drawn pictures.
 const DRAWN_SCALE: f64 = 400.0;
-/// The colours of the drawn pictures.
-const FOOTPRINT: &str = "#d1495b";
-const TOP: &str = "#edae49";
 
 /// All pictures of the steps, in the order of the flow; none if the steps were not kept.
 pub fn pair_pictures(seen: &PairDetection, robot_radius: f64) -> Vec<NamedPicture> {
@@ -59,18 +56,12 @@ pub fn boxes_picture(steps: &PairSteps, eye: usize) -> String {
     for (raised, tops) in &steps.boxes {
         let lines = corners(raised.base).into_iter().zip(corners(tops[eye]));
         for (low, high) in lines {
-            let ((x0, y0), (x1, y1)) = (drawn(&steps.frame, low), drawn(&steps.frame, high));
-            let _ = writeln!(
-                svg,
-                "<line x1=\"{x0:.1}\" y1=\"{y0:.1}\" x2=\"{x1:.1}\" y2=\"{y1:.1}\" stroke=\"{TOP}\" stroke-width=\"2\"/>"
-            );
+            svg.polyline(&[drawn(&steps.frame, low), drawn(&steps.frame, high)], "upright");
         }
-        let outline =
-            |colour: &str| format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\"");
-        rect(&mut svg, &steps.frame, tops[eye], &outline(TOP));
-        rect(&mut svg, &steps.frame, raised.base, &outline(FOOTPRINT));
+        rect(&mut svg, &steps.frame, tops[eye], "top");
+        rect(&mut svg, &steps.frame, raised.base, "footprint");
     }
-    svg + "</svg>\n"
+    svg.finish(&[])
 }
 
 /// The footprints with margins and heights, and the robot, over the first view.
@@ -80,32 +71,24 @@ pub fn obstacles_picture(seen: &PairDetection, steps: &PairSteps, robot_radius: 
     for obstacle in &detection.obstacles {
         outlined(&mut svg, obstacle, DRAWN_SCALE, |point| drawn(&steps.frame, point));
         let Rect { x0, y0, x1, y1 } = obstacle.footprint.bounds();
-        let (x, y) = drawn(&steps.frame, Point::new((x0 + x1) / 2.0, (y0 + y1) / 2.0));
-        let _ = writeln!(
-            svg,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-family=\"sans-serif\" font-size=\"16\" text-anchor=\"middle\" fill=\"#8c1c2e\">{:.0} cm</text>",
-            100.0 * obstacle.height.unwrap_or_default()
-        );
+        let middle = drawn(&steps.frame, Point::new((x0 + x1) / 2.0, (y0 + y1) / 2.0));
+        let height = format!("{:.0} cm", 100.0 * obstacle.height.unwrap_or_default());
+        svg.text(middle, "seen-height", "middle", 16.0, &height);
     }
     if let Some(pose) = detection.robot {
         robot(&mut svg, |point| drawn(&steps.frame, point), pose, robot_radius * DRAWN_SCALE);
     }
-    svg + "</svg>\n"
+    svg.finish(&[])
 }
 
-fn opened(frame: &PlanFrame, picture: &[u8]) -> String {
+fn opened(frame: &PlanFrame, picture: &[u8]) -> Svg {
     let length = |length: f64| (length + 2.0 * frame.margin) * DRAWN_SCALE;
-    embedded((length(frame.arena.width), length(frame.arena.height)), picture)
+    Svg::over((length(frame.arena.width), length(frame.arena.height)), picture)
 }
 
-fn rect(svg: &mut String, frame: &PlanFrame, rect: Rect, style: &str) {
-    let place = drawn(frame, Point::new(rect.x0, rect.y1));
-    shape(
-        svg,
-        place,
-        ((rect.x1 - rect.x0) * DRAWN_SCALE, (rect.y1 - rect.y0) * DRAWN_SCALE),
-        style,
-    );
+fn rect(svg: &mut Svg, frame: &PlanFrame, Rect { x0, y0, x1, y1 }: Rect, class: &str) {
+    let size = ((x1 - x0) * DRAWN_SCALE, (y1 - y0) * DRAWN_SCALE);
+    svg.rect(drawn(frame, Point::new(x0, y1)), size, class);
 }
 
 fn corners(Rect { x0, y0, x1, y1 }: Rect) -> [Point; 4] {

@@ -1,7 +1,8 @@
-//! A small SVG writer: shapes, text, a title and a legend, all in pixels with y down.
+//! The SVG writer of all pictures: shapes, text, a title and a legend, with y down.
 //!
-//! Every picture of wmr uses the classes of [`STYLE`], so that one colour means one thing throughout:
-//! grey what is there, pink what the grid method draws, red what is closed, blue the way.
+//! Shapes name classes of [`STYLE`], which alone holds colours, so that one colour means one thing throughout:
+//! grey what is there, pink what the grid method draws, red what is closed, blue the way; over a photo red
+//! what is seen, yellow how far it may reach, and blue-green the robot.
 
 use std::fmt::Write;
 
@@ -28,8 +29,27 @@ text{font-family:'DejaVu Sans','Segoe UI',Helvetica,Arial,sans-serif;fill:#2b2f3
 .local{fill:none;stroke:#1f6fd6;stroke-width:1.4;stroke-dasharray:3 4}\
 .planned{fill:none;stroke:#8a919d;stroke-width:2;stroke-dasharray:6 4}\
 .measured{fill:none;stroke:#1f6fd6;stroke-width:2}.scale{stroke:#dedbd3;stroke-width:1;fill:none}\
+.ruler{stroke:#7c8491;stroke-width:1.5;fill:none}.robot{fill:#00798c;fill-opacity:.3;stroke:#00798c;stroke-width:2}\
+.heading{stroke:#00798c;stroke-width:3;fill:none}\
 .kept{fill:#1f6fd6}.dropped{fill:#ffffff;stroke:#1f6fd6;stroke-width:1.4}\
-.start{fill:#2e9e5b;stroke:#ffffff;stroke-width:1.5}.goal{fill:#d64533;stroke:#ffffff;stroke-width:1.5}";
+.start{fill:#2e9e5b;stroke:#ffffff;stroke-width:1.5}.goal{fill:#d64533;stroke:#ffffff;stroke-width:1.5}\
+.seen{fill:#d1495b;fill-opacity:.2;stroke:#d1495b;stroke-width:2.5}\
+.seen-number{font-weight:bold;fill:#ffffff;stroke:#d1495b;stroke-width:5;paint-order:stroke}\
+.seen-height{fill:#8c1c2e}.seen-borders{fill:#ff69b4}\
+.candidate{fill:none;stroke:#d1495b;stroke-width:2}.candidate-name{fill:#d1495b}\
+.footprint{fill:none;stroke:#d1495b;stroke-width:3}.top{fill:none;stroke:#edae49;stroke-width:3}\
+.upright{fill:none;stroke:#edae49;stroke-width:2}\
+.margin{fill:none;stroke:#edae49;stroke-width:2;stroke-dasharray:6 4}\
+.margin-band{fill:none;stroke:#edae49;stroke-opacity:.5;stroke-linejoin:round}\
+.seen-robot{fill:#00798c;fill-opacity:.45;stroke:#00798c;stroke-width:3}\
+.seen-heading{fill:none;stroke:#00798c;stroke-width:5;stroke-linecap:round}\
+.photo-planned{fill:none;stroke:#ffffff;stroke-width:9;stroke-linejoin:round;stroke-linecap:round}\
+.photo-driven{fill:none;stroke:#1f6fd6;stroke-width:4;stroke-linejoin:round;stroke-linecap:round}\
+.ground{fill:#ffffff;stroke:#2b2f36;stroke-width:3}\
+.film-planned{fill:none;stroke:#999999;stroke-width:3;stroke-dasharray:8 6}\
+.film-robot{fill:#1f6fd6;fill-opacity:.35;stroke:#1f6fd6;stroke-width:2}.film-heading{stroke:#0b3a78;stroke-width:4}\
+.paper{fill:#ffffff}.ink{fill:#000000}.ink-line{fill:none;stroke:#000000;stroke-width:.2}\
+.cut-line{fill:none;stroke:#b0b0b0;stroke-width:.1}";
 
 /// What a legend shows before its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,11 +62,23 @@ pub enum Swatch {
     Dot(&'static str),
 }
 
+/// How large a picture is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Size {
+    /// A unit of the drawing is a pixel.
+    Pixels,
+    /// A unit of the drawing is a millimetre, in print.
+    Millimetres,
+    /// As large as there is room.
+    Any,
+}
+
 /// An SVG picture in the making.
 #[derive(Clone, Debug)]
 pub struct Svg {
-    width: f64,
-    height: f64,
+    /// Left and upper edge, width and height of what is shown, units of the drawing.
+    view: [f64; 4],
+    size: Size,
     body: String,
 }
 
@@ -59,10 +91,40 @@ impl Svg {
     /// assert!(svg.finish(&[]).contains("none &lt; one"));
     /// ```
     pub fn new(width: f64, height: f64, title: &str, subtitle: &str) -> Self {
-        let mut svg = Self { width, height: height + TITLE_HEIGHT, body: String::new() };
+        let mut svg = Self::empty([0.0, 0.0, width, height + TITLE_HEIGHT], Size::Pixels);
+        svg.add(format_args!("<rect width=\"100%\" height=\"100%\" class=\"page\"/>"));
         svg.text((PAD, 27.0), "title", "start", 19.0, title);
         svg.text((PAD, 48.0), "subtitle", "start", 13.0, subtitle);
         svg
+    }
+
+    /// A picture of a size in pixels that a PNG fills.
+    pub fn over((width, height): (f64, f64), png: &[u8]) -> Self {
+        let mut svg = Self::empty([0.0, 0.0, width, height], Size::Pixels);
+        svg.add(format_args!(
+            "<image width=\"{width:.1}\" height=\"{height:.1}\" href=\"data:image/png;base64,{}\"/>",
+            base64(png)
+        ));
+        svg
+    }
+
+    /// A white sheet to print, `width` × `height` millimetres.
+    pub fn sheet(width: f64, height: f64) -> Self {
+        let mut svg = Self::empty([0.0, 0.0, width, height], Size::Millimetres);
+        svg.rect((0.0, 0.0), (width, height), "paper");
+        svg
+    }
+
+    /// A picture of what lies within `view`, left and upper edge, width and height, that is shown as large as
+    /// there is room; programs that read pictures aloud say its `title`.
+    pub fn scalable(view: [f64; 4], title: &str) -> Self {
+        let mut svg = Self::empty(view, Size::Any);
+        svg.add(format_args!("<title>{}</title>", escaped(title)));
+        svg
+    }
+
+    fn empty(view: [f64; 4], size: Size) -> Self {
+        Self { view, size, body: String::new() }
     }
 
     /// A rectangle from its upper-left corner, size in pixels.
@@ -74,21 +136,25 @@ impl Svg {
 
     /// A line through `points`.
     pub fn polyline(&mut self, points: &[(f64, f64)], class: &str) {
-        self.points("polyline", points, class);
-    }
-
-    fn points(&mut self, element: &str, points: &[(f64, f64)], class: &str) {
-        let mut list = String::new();
-        for (x, y) in points {
-            // Writing into a string cannot fail.
-            let _ = write!(list, "{x:.2},{y:.2} ");
-        }
-        self.add(format_args!("<{element} points=\"{}\" class=\"{class}\"/>", list.trim_end()));
+        self.add(format_args!("<polyline points=\"{}\" class=\"{class}\"/>", listed(points)));
     }
 
     /// A filled polygon with these corners.
     pub fn polygon(&mut self, corners: &[(f64, f64)], class: &str) {
-        self.points("polygon", corners, class);
+        self.add(format_args!("<polygon points=\"{}\" class=\"{class}\"/>", listed(corners)));
+    }
+
+    /// The outline of a polygon with these corners, so wide.
+    pub fn band(&mut self, corners: &[(f64, f64)], width: f64, class: &str) {
+        self.add(format_args!(
+            "<polygon points=\"{}\" class=\"{class}\" stroke-width=\"{width:.2}\"/>",
+            listed(corners)
+        ));
+    }
+
+    /// What the commands of an SVG path draw.
+    pub fn path(&mut self, commands: &str, class: &str) {
+        self.add(format_args!("<path d=\"{commands}\" class=\"{class}\"/>"));
     }
 
     /// A circle.
@@ -100,7 +166,7 @@ impl Svg {
 
     /// Text on its base line; `anchor` is `start`, `middle` or `end`, `size` in pixels.
     pub fn text(&mut self, (x, y): (f64, f64), class: &str, anchor: &str, size: f64, text: &str) {
-        let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let text = escaped(text);
         self.add(format_args!(
             "<text x=\"{x:.2}\" y=\"{y:.2}\" class=\"{class}\" text-anchor=\"{anchor}\" font-size=\"{size:.1}\">{text}</text>"
         ));
@@ -108,22 +174,32 @@ impl Svg {
 
     /// The whole document, with a legend below the picture.
     pub fn finish(mut self, legend: &[(Swatch, &str)]) -> String {
-        let (mut x, mut y) = (PAD, self.height + 8.0);
+        let [left, top, width, mut height] = self.view;
+        let (mut x, mut y) = (PAD, height + 8.0);
         for (swatch, label) in legend {
             // About 7.6 pixels a letter; a new row where the next entry would not fit.
-            let width = 44.0 + 7.6 * label.chars().count() as f64;
-            if x > PAD && x + width > self.width {
+            let room = 44.0 + 7.6 * label.chars().count() as f64;
+            if x > PAD && x + room > width {
                 (x, y) = (PAD, y + LEGEND_HEIGHT);
             }
             self.swatch((x, y), *swatch);
             self.text((x + 26.0, y + 12.0), "legend", "start", 13.0, label);
-            x += width;
+            x += room;
+            height = y + LEGEND_HEIGHT;
         }
-        let height = if legend.is_empty() { self.height } else { y + LEGEND_HEIGHT };
+        let size = match self.size {
+            Size::Pixels => format!(" width=\"{width:.0}\" height=\"{height:.0}\""),
+            Size::Millimetres => format!(" width=\"{width}mm\" height=\"{height}mm\""),
+            Size::Any => String::new(),
+        };
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0}\" height=\"{1:.0}\" viewBox=\"0 0 {0:.0} {1:.0}\">\n\
-             <style>{STYLE}</style>\n<rect width=\"100%\" height=\"100%\" class=\"page\"/>\n{2}</svg>\n",
-            self.width, height, self.body
+            "<svg xmlns=\"http://www.w3.org/2000/svg\"{size} viewBox=\"{}\">\n\
+             <style>{STYLE}</style>\n{}</svg>\n",
+            [left, top, width, height]
+                .map(|length| (10.0 * length).round() / 10.0)
+                .map(|length| length.to_string())
+                .join(" "),
+            self.body
         )
     }
 
@@ -135,10 +211,41 @@ impl Svg {
         }
     }
 
-    fn add(&mut self, element: std::fmt::Arguments) {
+    /// An element as SVG has it.
+    pub(super) fn add(&mut self, element: std::fmt::Arguments) {
         // Writing into a string cannot fail.
         let _ = writeln!(self.body, "{element}");
     }
+}
+
+/// Points as SVG lists them.
+pub(super) fn listed(points: &[(f64, f64)]) -> String {
+    let mut list = String::new();
+    for (x, y) in points {
+        // Writing into a string cannot fail.
+        let _ = write!(list, "{x:.2},{y:.2} ");
+    }
+    list.truncate(list.trim_end().len());
+    list
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// The bytes in base 64 (RFC 4648), as a data address wants them.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let bits =
+            (0..3).fold(0u32, |bits, i| bits << 8 | u32::from(group.get(i).copied().unwrap_or(0)));
+        for digit in 0..4 {
+            let index = (bits >> (18 - 6 * digit) & 63) as usize;
+            text.push(if digit <= group.len() { char::from(DIGITS[index]) } else { '=' });
+        }
+    }
+    text
 }
 
 #[cfg(test)]
@@ -154,5 +261,13 @@ mod tests {
         let narrow = Svg::new(300.0, 100.0, "", "").finish(&entries);
         let wide = Svg::new(1200.0, 100.0, "", "").finish(&entries);
         assert!(height(&narrow).parse::<u32>().unwrap() > height(&wide).parse::<u32>().unwrap());
+    }
+
+    #[test]
+    fn base64_pads_as_the_standard_shows() {
+        assert_eq!(
+            ["", "f", "fo", "foo", "foobar"].map(|text| base64(text.as_bytes())),
+            ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYmFy"]
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! A sheet of tags to print: true to scale in millimetres, with a ruler to check the printer by.
 
+use super::svg::Svg;
 use crate::vision::TagDictionary;
 use std::fmt::Write;
 
@@ -9,6 +10,8 @@ const MARGIN: f64 = 12.0;
 /// Room for a tag's number below it, and for the ruler at the foot of the sheet, mm.
 const CAPTION: f64 = 7.0;
 const FOOT: f64 = 18.0;
+/// The height of letters, mm.
+const LETTERS: f64 = 3.5;
 /// The ruler's length, mm.
 const RULER: usize = 100;
 
@@ -33,12 +36,7 @@ pub fn tag_sheet(dictionary: TagDictionary, ids: &[usize], size: f64) -> Option<
     if !(card > 0.0 && columns * rows >= ids.len()) {
         return None;
     }
-    let [width, height] = SHEET;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" \
-         viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"3.5\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"
-    );
+    let mut svg = Svg::sheet(SHEET[0], SHEET[1]);
     for (place, &id) in ids.iter().enumerate() {
         let (x, y) = (
             MARGIN + card * (place % columns) as f64,
@@ -47,12 +45,12 @@ pub fn tag_sheet(dictionary: TagDictionary, ids: &[usize], size: f64) -> Option<
         card_of(&mut svg, dictionary, id, [x, y, cell])?;
     }
     ruler(&mut svg);
-    Some(svg + "</svg>\n")
+    Some(svg.finish(&[]))
 }
 
 /// One tag with its rim, cutting line and number.
 fn card_of(
-    svg: &mut String,
+    svg: &mut Svg,
     dictionary: TagDictionary,
     id: usize,
     [x, y, cell]: [f64; 3],
@@ -60,44 +58,34 @@ fn card_of(
     let ring = dictionary.side() + 2;
     let cells = dictionary.cells(id)?;
     let card = cell * (ring + 2) as f64;
-    // Writing into a string cannot fail.
-    let _ = writeln!(
-        svg,
-        "<rect x=\"{x:.3}\" y=\"{y:.3}\" width=\"{card:.3}\" height=\"{card:.3}\" fill=\"none\" stroke=\"#b0b0b0\" stroke-width=\"0.1\"/>"
-    );
-    let _ = write!(svg, "<path fill=\"#000000\" d=\"");
+    svg.rect((x, y), (card, card), "cut-line");
+    let mut black = String::new();
     for place in (0..ring * ring).filter(|&place| !cells[place]) {
         let (column, row) = ((place % ring + 1) as f64, (place / ring + 1) as f64);
+        // Writing into a string cannot fail.
         let _ = write!(
-            svg,
+            black,
             "M{:.3} {:.3}h{cell:.3}v{cell:.3}h-{cell:.3}z",
             x + column * cell,
             y + row * cell
         );
     }
-    let _ = writeln!(svg, "\"/>");
-    let _ = writeln!(
-        svg,
-        "<text x=\"{:.2}\" y=\"{:.2}\">{} {id}, {:.1} mm</text>",
-        x + cell,
-        y + card + 4.5,
-        dictionary.name(),
-        cell * ring as f64
-    );
+    svg.path(&black, "ink");
+    let name = format!("{} {id}, {:.1} mm", dictionary.name(), cell * ring as f64);
+    svg.text((x + cell, y + card + 4.5), "caption", "start", LETTERS, &name);
     Some(())
 }
 
-fn ruler(svg: &mut String) {
+fn ruler(svg: &mut Svg) {
     let foot = SHEET[1] - MARGIN;
-    let _ =
-        write!(svg, "<path stroke=\"#000000\" stroke-width=\"0.2\" d=\"M{MARGIN} {foot}h{RULER}");
+    let mut line = format!("M{MARGIN} {foot}h{RULER}");
     for mark in (0..=RULER).step_by(10) {
-        let _ = write!(svg, "M{} {foot}v-3", MARGIN + mark as f64);
+        // Writing into a string cannot fail.
+        let _ = write!(line, "M{} {foot}v-3", MARGIN + mark as f64);
     }
-    let _ = writeln!(
-        svg,
-        "\"/>\n<text x=\"{MARGIN}\" y=\"{:.1}\">This line is {RULER} mm long: print at 100 %, and give the \
-         measured size of the black squares where it is not.</text>",
-        foot - 5.0
+    svg.path(&line, "ink-line");
+    let advice = format!(
+        "This line is {RULER} mm long: print at 100 %, and give the measured size of the black squares where it is not."
     );
+    svg.text((MARGIN, foot - 5.0), "caption", "start", LETTERS, &advice);
 }

@@ -2,19 +2,17 @@
 //!
 //! Every picture is in the plan view, x to the right and y up, so that they can be laid side by side.
 
+use super::svg::Svg;
 use crate::geometry::{Arena, Point, Pose};
 use crate::scene::Obstacle;
-use crate::vision::{Detection, Raster, Steps};
+use crate::vision::{BorderCandidates, Detection, Photo, Raster, Steps};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::fmt::Write;
 
 /// Pixels per metre of the drawn pictures.
 pub(super) const DRAWN_SCALE: f64 = 400.0;
-/// The colours of the drawn pictures.
-const OBSTACLE: &str = "#d1495b";
-const MARGIN: &str = "#edae49";
-const ROBOT: &str = "#00798c";
-const BORDER: &str = "#ff69b4";
+/// A photo is drawn with at most so many pixels a side.
+const PHOTO_SIDE: usize = 1400;
 
 /// A picture with the name that its file should have.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +56,28 @@ pub fn vision_pictures(detection: &Detection, robot_radius: f64) -> Vec<NamedPic
     ]
 }
 
+/// The candidates for the arena's border over the photo, so that a person sees what it was chosen from.
+pub fn border_picture(photo: &Photo, seen: &BorderCandidates) -> NamedPicture {
+    let factor = photo.width().max(photo.height()).div_ceil(PHOTO_SIDE).max(1);
+    let small = photo.reduced(factor);
+    let codes = Raster::from_cells(small.width(), small.pixels().to_vec());
+    let mut svg = Svg::over((small.width() as f64, small.height() as f64), &colour_picture(&codes));
+    // Pixels are squares about their centres.
+    let place = |value: f64| (value + 0.5) / factor as f64;
+    let mut quad = |corners: &[[f64; 2]; 4], name: &str, class: &str| {
+        let points = corners.map(|[x, y]| (place(x), place(y)));
+        svg.polygon(&points, class);
+        svg.text(points[0], "candidate-name", "start", 14.0, name);
+    };
+    for (index, corners) in seen.odd.iter().enumerate() {
+        quad(corners, &format!("odd {}", index + 1), "margin");
+    }
+    for (index, corners) in seen.fitting.iter().enumerate() {
+        quad(corners, &(index + 1).to_string(), "candidate");
+    }
+    NamedPicture { name: "0_border.svg", bytes: svg.finish(&[]).into_bytes() }
+}
+
 /// The plan view as a colour PNG.
 pub fn plan_view_picture(steps: &Steps) -> Vec<u8> {
     colour_picture(&steps.view.map(|light| light.map(crate::vision::srgb_code)))
@@ -77,51 +97,33 @@ pub fn grey_picture(codes: &Raster<u8>) -> Vec<u8> {
 pub fn obstacles_picture(detection: &Detection, steps: &Steps, robot_radius: f64) -> String {
     let arena = steps.frame.arena;
     let mut svg = opened(arena, &plan_view_picture(steps));
-    for obstacle in &detection.obstacles {
+    for (index, obstacle) in detection.obstacles.iter().enumerate() {
         outlined(&mut svg, obstacle, DRAWN_SCALE, |point| drawn(arena, point));
+        let (x, y) = drawn(arena, obstacle.footprint.bounds().centre());
+        svg.text((x, y + 8.0), "seen-number", "middle", 22.0, &(index + 1).to_string());
     }
     if let Some(pose) = detection.robot {
         robot(&mut svg, |point| drawn(arena, point), pose, robot_radius * DRAWN_SCALE);
     }
-    svg + "</svg>\n"
+    svg.finish(&[])
 }
 
 /// One obstacle over a picture: a light tint with a clear outline, so that what lies under it can be
 /// checked, and a dashed line as far out as its edges may lie.
 pub(super) fn outlined(
-    svg: &mut String,
+    svg: &mut Svg,
     obstacle: &Obstacle,
     scale: f64,
     drawn: impl Fn(Point) -> (f64, f64),
 ) {
-    let mut polygon = |corners: &[Point], style: &str| {
-        let _ = write!(svg, "<polygon points=\"");
-        for (x, y) in corners.iter().map(|&corner| drawn(corner)) {
-            let _ = write!(svg, "{x:.1},{y:.1} ");
-        }
-        let _ = writeln!(svg, "\" {style}/>");
-    };
+    let placed =
+        |corners: &[Point]| corners.iter().map(|&corner| drawn(corner)).collect::<Vec<_>>();
+    let outline = placed(&obstacle.footprint.outline());
     match obstacle.footprint.as_rect() {
-        Some(rect) => polygon(
-            &rect.widened(obstacle.margin).corners(),
-            &format!(
-                "fill=\"none\" stroke=\"{MARGIN}\" stroke-width=\"2\" stroke-dasharray=\"6 4\""
-            ),
-        ),
-        None => polygon(
-            &obstacle.footprint.outline(),
-            &format!(
-                "fill=\"none\" stroke=\"{MARGIN}\" stroke-opacity=\"0.5\" stroke-linejoin=\"round\" stroke-width=\"{:.1}\"",
-                2.0 * obstacle.largest_margin() * scale
-            ),
-        ),
+        Some(rect) => svg.polygon(&placed(&rect.widened(obstacle.margin).corners()), "margin"),
+        None => svg.band(&outline, 2.0 * obstacle.largest_margin() * scale, "margin-band"),
     }
-    polygon(
-        &obstacle.footprint.outline(),
-        &format!(
-            "fill=\"{OBSTACLE}\" fill-opacity=\"0.2\" stroke=\"{OBSTACLE}\" stroke-width=\"2.5\""
-        ),
-    );
+    svg.polygon(&outline, "seen");
 }
 
 /// The borders of the enlarged obstacles over the plan view, in the paper's pink, as SVG.
@@ -130,7 +132,7 @@ pub fn borders_picture(steps: &Steps) -> String {
     let mut svg = opened(arena, &plan_view_picture(steps));
     let borders = &steps.paper.borders;
     let cell = DRAWN_SCALE / steps.frame.scale;
-    let _ = write!(svg, "<path fill=\"{BORDER}\" d=\"");
+    let mut cells = String::new();
     for row in 0..borders.height() {
         for segment in crate::vision::segments(borders.row(row).iter().copied()) {
             let (x, y, length) = (
@@ -138,10 +140,12 @@ pub fn borders_picture(steps: &Steps) -> String {
                 cell * row as f64,
                 cell * (segment.end - segment.start) as f64,
             );
-            let _ = write!(svg, "M{x:.1} {y:.1}h{length:.1}v{cell:.1}h{:.1}z", -length);
+            // Writing into a string cannot fail.
+            let _ = write!(cells, "M{x:.1} {y:.1}h{length:.1}v{cell:.1}h{:.1}z", -length);
         }
     }
-    svg + "\"/></svg>\n"
+    svg.path(&cells, "seen-borders");
+    svg.finish(&[])
 }
 
 /// Magnitudes as brightness codes, the 99.5th percentile white.
@@ -160,50 +164,18 @@ fn png<T: Copy>(codes: &[u8], of: &Raster<T>, kind: ExtendedColorType) -> Vec<u8
     if written.is_ok() { bytes } else { Vec::new() }
 }
 
-pub(super) fn opened(arena: Arena, png: &[u8]) -> String {
-    embedded((arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE), png)
-}
-
-/// The beginning of an SVG picture of a size in pixels that a PNG fills.
-pub(super) fn embedded((width, height): (f64, f64), png: &[u8]) -> String {
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.0}\" height=\"{height:.0}\">\n\
-        <image width=\"{width:.1}\" height=\"{height:.1}\" href=\"data:image/png;base64,{}\"/>\n",
-        base64(png)
-    )
-}
-
-/// A rectangle by its upper left corner and size, pixels.
-pub(super) fn shape(
-    svg: &mut String,
-    (x, y): (f64, f64),
-    (width, height): (f64, f64),
-    style: &str,
-) {
-    let _ = writeln!(
-        svg,
-        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>"
-    );
+/// A picture of an arena over its plan view.
+pub(super) fn opened(arena: Arena, png: &[u8]) -> Svg {
+    Svg::over((arena.width * DRAWN_SCALE, arena.height * DRAWN_SCALE), png)
 }
 
 /// The robot's disc of a radius in pixels and its heading, on a picture on which `drawn` places points.
-pub(super) fn robot(
-    svg: &mut String,
-    drawn: impl Fn(Point) -> (f64, f64),
-    pose: Pose,
-    radius: f64,
-) {
+pub(super) fn robot(svg: &mut Svg, drawn: impl Fn(Point) -> (f64, f64), pose: Pose, radius: f64) {
     let (x, y) = drawn(pose.position);
     let (sin, cos) = pose.heading.sin_cos();
-    let (tip_x, tip_y) = (x + 1.8 * radius * cos, y - 1.8 * radius * sin);
-    let _ = writeln!(
-        svg,
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" fill=\"{ROBOT}\" fill-opacity=\"0.45\" stroke=\"{ROBOT}\" stroke-width=\"3\"/>"
-    );
-    let _ = writeln!(
-        svg,
-        "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{tip_x:.1}\" y2=\"{tip_y:.1}\" stroke=\"{ROBOT}\" stroke-width=\"5\" stroke-linecap=\"round\"/>"
-    );
+    let tip = (x + 1.8 * radius * cos, y - 1.8 * radius * sin);
+    svg.circle((x, y), radius, "seen-robot");
+    svg.polyline(&[(x, y), tip], "seen-heading");
 }
 
 /// Where a floor point is drawn.
@@ -211,32 +183,9 @@ pub(super) fn drawn(arena: Arena, point: Point) -> (f64, f64) {
     (point.x * DRAWN_SCALE, (arena.height - point.y) * DRAWN_SCALE)
 }
 
-/// The bytes in base 64 (RFC 4648), as a data address wants them.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let bits =
-            (0..3).fold(0u32, |bits, i| bits << 8 | u32::from(group.get(i).copied().unwrap_or(0)));
-        for digit in 0..4 {
-            let index = (bits >> (18 - 6 * digit) & 63) as usize;
-            text.push(if digit <= group.len() { char::from(DIGITS[index]) } else { '=' });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_pads_as_the_standard_shows() {
-        assert_eq!(
-            ["", "f", "fo", "foo", "foobar"].map(|text| base64(text.as_bytes())),
-            ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYmFy"]
-        );
-    }
 
     #[test]
     fn a_grey_picture_can_be_decoded_to_the_same_codes() {

@@ -85,6 +85,7 @@ mod tests {
     use super::*;
     use crate::geometry::Rect;
     use crate::grid::enlarge;
+    use miette::Diagnostic;
 
     fn at(x: f64, y: f64) -> Result<LatticePoint, PlanError> {
         let mut scene = Scene::new(1.0, 1.0);
@@ -109,8 +110,10 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "the goal (0.4450, 0.5000) m lies 2.0 by 57.5 cm inside obstacle 1 grown by the robot's \
-             radius and margin; the nearest free point is (0.4250, 0.5000)"
+             radius and margin"
         );
+        let help = error.help().unwrap().to_string();
+        assert_eq!(help, "the nearest free point is (0.4250, 0.5000)");
     }
 
     #[test]

@@ -24,16 +24,15 @@ impl fmt::Display for End {
 }
 
 /// Why there is no plan. Lengths in metres, arena frame; obstacles by their index in the scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum PlanError {
     /// The arena cannot be prepared for planning.
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Grid(#[from] GridError),
     /// An end of the way is no point of the arena.
-    #[error(
-        "the {end} ({:.4}, {:.4}) m lies outside the arena of {} × {} m; choose a point inside",
-        .point.x, .point.y, .arena.width, .arena.height
-    )]
+    #[error("the {end} ({:.4}, {:.4}) m lies outside the arena of {} × {} m", .point.x, .point.y, .arena.width, .arena.height)]
+    #[diagnostic(help("choose a point inside{}", meant(.point, .arena)))]
     Outside {
         /// Which end.
         end: End,
@@ -43,7 +42,8 @@ pub enum PlanError {
         arena: Arena,
     },
     /// The robot cannot stand at an end of the way: it would touch an obstacle or the border.
-    #[error("{}", blocked_text(.end, .point, .by, .nearest))]
+    #[error("{}", blocked_text(.end, .point, .by))]
+    #[diagnostic(help("{}", beside(.nearest)))]
     Blocked {
         /// Which end.
         end: End,
@@ -56,31 +56,31 @@ pub enum PlanError {
     },
     /// No way leads from start to goal.
     #[error("no way leads from the start to the goal: {}", no_path_text(.gap))]
+    #[diagnostic(help("{}", cure(.gap)))]
     NoPath {
         /// The widest gap that the robot would have to pass, if there is one at all.
         gap: Option<Gap>,
     },
     /// Inflation by a disc was asked for together with something that only knows squares.
     #[error(
-        "inflation by a disc goes with the exact planner and the shortest path alone, or with the fuzzy planner; choose these, or --inflation square"
+        "inflation by a disc goes with the exact planner and the shortest path alone, or with the fuzzy planner"
     )]
+    #[diagnostic(help("choose these, or --inflation square"))]
     DiscNeedsExact,
     /// The fuzzy planner was asked for together with something that it does not know.
-    #[error(
-        "the fuzzy planner inflates obstacles by a disc and weighs length against risk; leave out --inflation and --cost, or choose --planner exact"
-    )]
+    #[error("the fuzzy planner inflates obstacles by a disc and weighs length against risk")]
+    #[diagnostic(help("leave out --inflation and --cost, or choose --planner exact"))]
     FuzzyAlone,
     /// The weight of risk is no number that one can plan with.
-    #[error("a risk weight of {weight} is not possible; give --risk 0 to {LARGEST_RISK_WEIGHT}")]
+    #[error("a risk weight of {weight} is not possible")]
+    #[diagnostic(help("give --risk 0 to {LARGEST_RISK_WEIGHT}"))]
     RiskWeight {
         /// What was given.
         weight: f64,
     },
     /// The fuzzy grid would have too many areas, or none.
-    #[error(
-        "areas of {} mm would be {columns} × {rows} of them, and {AREA_LIMIT} are possible; give a larger --area",
-        .side * 1000.0
-    )]
+    #[error("areas of {} mm would be {columns} × {rows} of them, and {AREA_LIMIT} are possible", .side * 1000.0)]
+    #[diagnostic(help("give a larger --area"))]
     Areas {
         /// The side of an area, metres.
         side: f64,
@@ -90,16 +90,15 @@ pub enum PlanError {
         rows: usize,
     },
     /// There is a way, but the areas of the fuzzy grid are too coarse to find it.
-    #[error(
-        "a way leads to the goal, but areas of {:.2} mm are too coarse for its gaps; give a smaller --area, or --planner exact",
-        .side * 1000.0
-    )]
+    #[error("a way leads to the goal, but areas of {:.2} mm are too coarse for its gaps", .side * 1000.0)]
+    #[diagnostic(help("give a smaller --area, or --planner exact"))]
     Coarse {
         /// The side of the smallest areas tried, metres.
         side: f64,
     },
     /// The independent test refused the path that the planner found.
-    #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m; this is a bug of the planner, nothing was planned", .from.x, .from.y, .to.x, .to.y)]
+    #[error("the path found fails the safety test between ({:.4}, {:.4}) and ({:.4}, {:.4}) m", .from.x, .from.y, .to.x, .to.y)]
+    #[diagnostic(help("this is a bug of the planner, nothing was planned"))]
     Unsafe {
         /// Where the refused leg begins.
         from: Point,
@@ -185,7 +184,21 @@ impl PlanError {
     }
 }
 
-fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>) -> String {
+/// What was perhaps meant by a point that would lie inside in centimetres or millimetres.
+fn meant(point: &Point, arena: &Arena) -> String {
+    let inside = |at: f64, size: f64| (0.0..=size).contains(&at);
+    let units = [("cm", 100.0), ("mm", 1000.0)];
+    let fits = |(_, per_metre): &(&str, f64)| {
+        inside(point.x / per_metre, arena.width) && inside(point.y / per_metre, arena.height)
+    };
+    // So near to the corner nobody meant another unit.
+    let is_far = point.x.max(point.y) > 2.0 * arena.width.max(arena.height);
+    units.into_iter().filter(|_| is_far).find(fits).map_or(String::new(), |(unit, _)| {
+        format!("; did you mean {}{unit},{}{unit}?", point.x, point.y)
+    })
+}
+
+fn blocked_text(end: &End, point: &Point, by: &Blocker) -> String {
     let why = match by {
         Blocker::Obstacle { index, depth: [x, y] } => format!(
             "lies {:.1} by {:.1} cm inside obstacle {} grown by the robot's radius and margin",
@@ -203,25 +216,47 @@ fn blocked_text(end: &End, point: &Point, by: &Blocker, nearest: &Option<Point>)
         }
         Blocker::Gap => "lies in a gap that leaves the robot no room".to_owned(),
     };
-    let next = match nearest {
+    format!("the {end} ({:.4}, {:.4}) m {why}", point.x, point.y)
+}
+
+fn beside(nearest: &Option<Point>) -> String {
+    match nearest {
         Some(free) => format!("the nearest free point is ({:.4}, {:.4})", free.x, free.y),
         None => "no point of the arena is free".to_owned(),
-    };
-    format!("the {end} ({:.4}, {:.4}) m {why}; {next}", point.x, point.y)
+    }
 }
 
 fn no_path_text(gap: &Option<Gap>) -> String {
     match gap {
         Some(gap) => format!(
             "the best way through is a gap of {:.1} cm between {} and {}, the robot with its margin \
-             needs {:.1} cm; widen the gap, or give a smaller radius or margin",
+             needs {:.1} cm",
             gap.width * 100.0,
             gap.between[0],
             gap.between[1],
             gap.need * 100.0
         ),
-        None => {
-            "obstacles that touch each other or the border shut it off; move one of them".to_owned()
-        }
+        None => "obstacles that touch each other or the border shut it off".to_owned(),
+    }
+}
+
+fn cure(gap: &Option<Gap>) -> &'static str {
+    match gap {
+        Some(_) => "widen the gap, or give a smaller radius or margin",
+        None => "move one of them",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_in_another_unit_is_recognised() {
+        let arena = Arena { width: 1.6, height: 2.0 };
+        let of = |x, y| meant(&Point::new(x, y), &arena);
+        assert_eq!(of(140.0, 175.0), "; did you mean 140cm,175cm?");
+        assert_eq!(of(1400.0, 1750.0), "; did you mean 1400mm,1750mm?");
+        assert_eq!([of(1.7, 0.5), of(-140.0, 175.0), of(9000.0, 1.0)], ["", "", ""]);
     }
 }

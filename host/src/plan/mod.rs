@@ -81,6 +81,7 @@ impl Planner {
 /// The shape by which obstacles are inflated (their Minkowski sum with it): as large as the robot's
 /// radius and the margin together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Inflation {
     /// A square: rectangles stay rectangles, as in the paper; other shapes are covered by rectangles first.

@@ -13,6 +13,7 @@ use std::fmt;
 
 /// A scene as it stands in a file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct SceneFile {
     format: Format,
     arena: Arena,
@@ -20,9 +21,10 @@ pub(super) struct SceneFile {
     origin: Option<Point>,
     #[serde(default = "default_robot_radius")]
     robot_radius: f64,
+    #[cfg_attr(test, schemars(with = "Vec<schema::Outline>"))]
     obstacles: Vec<Outline>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    margins: Vec<MarginFile>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    margins: Option<Vec<MarginFile>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     start: Option<Pose>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -33,6 +35,7 @@ pub(super) struct SceneFile {
 
 /// The formats by their names.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 enum Format {
     #[serde(rename = "wmr-scene/2")]
     Scene,
@@ -44,6 +47,7 @@ enum Format {
 
 /// An obstacle's margin: four numbers for an upright rectangle, one for any other shape.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum MarginFile {
     Edges([f64; 4]),
@@ -72,11 +76,12 @@ impl TryFrom<SceneFile> for Scene {
     type Error = SceneError;
 
     fn try_from(file: SceneFile) -> Result<Self, SceneError> {
-        let (margins, obstacles) = (file.margins.len(), file.obstacles.len());
+        let listed = file.margins.unwrap_or_default();
+        let (margins, obstacles) = (listed.len(), file.obstacles.len());
         if margins != 0 && margins != obstacles {
             return Err(SceneError::MarginCount { margins, obstacles });
         }
-        let margins = file.margins.into_iter().map(Some).chain(std::iter::repeat(None));
+        let margins = listed.into_iter().map(Some).chain(std::iter::repeat(None));
         let numbered = (1..).zip(file.obstacles.into_iter().zip(margins));
         let obstacles =
             numbered.map(|(number, (outline, margin))| obstacle(outline, margin, number));
@@ -132,7 +137,6 @@ impl From<Scene> for SceneFile {
             None => scene,
         };
         let has_margins = scene.obstacles.iter().any(|obstacle| obstacle.margin != [0.0; 4]);
-        let with_margins = if has_margins { scene.obstacles.as_slice() } else { &[] };
         Self {
             format: match scene.format {
                 SceneFormat::Scene => Format::Scene,
@@ -141,12 +145,46 @@ impl From<Scene> for SceneFile {
             arena: scene.arena,
             origin: scene.origin,
             robot_radius: scene.robot_radius,
-            margins: with_margins.iter().map(MarginFile::from).collect(),
+            margins: has_margins.then(|| margins(&scene.obstacles)),
             obstacles: scene.obstacles.into_iter().map(Outline::from).collect(),
             start: scene.start,
             goal: scene.goal,
             queries: scene.queries,
         }
+    }
+}
+
+fn margins(obstacles: &[Obstacle]) -> Vec<MarginFile> {
+    obstacles.iter().map(MarginFile::from).collect()
+}
+
+/// A scene that is written with a margin for every obstacle, even where all of them are 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(try_from = "SceneFile", into = "SceneFile")]
+pub struct SceneWithMargins(
+    /// The scene.
+    pub Scene,
+);
+
+impl From<Scene> for SceneWithMargins {
+    fn from(scene: Scene) -> Self {
+        Self(scene)
+    }
+}
+
+impl TryFrom<SceneFile> for SceneWithMargins {
+    type Error = SceneError;
+
+    fn try_from(file: SceneFile) -> Result<Self, SceneError> {
+        Scene::try_from(file).map(Self)
+    }
+}
+
+impl From<SceneWithMargins> for SceneFile {
+    fn from(SceneWithMargins(scene): SceneWithMargins) -> Self {
+        let margins = margins(&scene.obstacles);
+        Self { margins: Some(margins), ..scene.into() }
     }
 }
 
@@ -228,9 +266,43 @@ impl<'de> Visitor<'de> for OutlineVisitor {
             }
         }
         let numbers = numbers.ok_or_else(|| {
-            Error::custom("an obstacle names no shape; give a polygon or a circle")
+            Error::custom("an obstacle names no shape, neither a polygon nor a circle")
         })?;
         Ok(Outline { numbers, height })
+    }
+}
+
+/// What an [`Outline`] looks like in a file, in the words that schemas are made from.
+#[cfg(test)]
+mod schema {
+    #![allow(dead_code, reason = "only the schemas of these types are wanted")]
+
+    use super::{Circle, Point, Rect};
+    use schemars::JsonSchema;
+
+    /// An obstacle: `[x0, y0, x1, y1]`, a polygon or a disc.
+    #[derive(JsonSchema)]
+    #[serde(untagged)]
+    pub(super) enum Outline {
+        Rect(Rect),
+        Polygon(Polygon),
+        Disc(Disc),
+    }
+
+    /// A simple polygon, its corners in either direction.
+    #[derive(JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub(super) struct Polygon {
+        polygon: Vec<Point>,
+        height: Option<f64>,
+    }
+
+    /// A disc: `[x, y, radius]`.
+    #[derive(JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub(super) struct Disc {
+        circle: Circle,
+        height: Option<f64>,
     }
 }
 

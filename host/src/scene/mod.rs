@@ -9,6 +9,7 @@ use crate::geometry::{Arena, Point, Pose, Rect};
 use crate::shape::{Shape, ShapeError};
 use crate::vision::Detection;
 use file::SceneFile;
+pub use file::SceneWithMargins;
 use serde::{Deserialize, Serialize};
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V]; used where no input names one.
@@ -19,6 +20,7 @@ pub const DEFAULT_ROBOT_RADIUS: f64 = 0.075;
 /// In memory all points are in the arena frame. In a file with an `origin` they are in the frame of the
 /// map that the scene comes from: reading and writing move them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(try_from = "SceneFile", into = "SceneFile")]
 pub struct Scene {
     /// Names the format in which the scene is written.
@@ -57,6 +59,20 @@ impl Obstacle {
     pub fn largest_margin(&self) -> f64 {
         self.margin.into_iter().fold(0.0, f64::max)
     }
+
+    /// How far a point is from all that it may cover, footprint and margins, metres; 0 inside.
+    ///
+    /// ```
+    /// use wmr::{geometry::{Point, Rect}, scene::Obstacle};
+    /// let seen = Obstacle { margin: [0.01; 4], ..Rect::new(0.2, 0.2, 0.4, 0.6).into() };
+    /// assert!((seen.distance(Point::new(0.5, 0.3)) - 0.09).abs() < 1e-12);
+    /// ```
+    pub fn distance(&self, point: Point) -> f64 {
+        match self.footprint.as_rect() {
+            Some(rect) => rect.widened(self.margin).distance(point),
+            None => (self.footprint.distance(point) - self.largest_margin()).max(0.0),
+        }
+    }
 }
 
 impl<T: Into<Shape>> From<T> for Obstacle {
@@ -77,6 +93,7 @@ pub enum SceneFormat {
 
 /// Where the robot is to go, and which way it shall look there, if that matters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct Goal {
     /// The goal's position, metres.
@@ -87,6 +104,7 @@ pub struct Goal {
 
 /// One start and goal of a benchmark arena, with the exact length where known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Query {
     /// Where the way begins, metres.
     pub start: Point,
@@ -98,13 +116,15 @@ pub struct Query {
 }
 
 /// Why a scene cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneError {
     /// The text is not JSON of the scene format.
     #[error("this is no scene: {0}")]
+    #[diagnostic(help("see the README for the scene format"))]
     Format(#[from] serde_json::Error),
     /// A number is not finite, or not in its range.
-    #[error("{what} is {value}; {need}")]
+    #[error("{what} is {value}")]
+    #[diagnostic(help("{need}"))]
     Value {
         /// The field.
         what: &'static str,
@@ -115,6 +135,7 @@ pub enum SceneError {
     },
     /// An obstacle is no shape.
     #[error("obstacle {number}: {why}")]
+    #[diagnostic(forward(why))]
     Shape {
         /// The obstacle, counted from 1.
         number: usize,
@@ -126,6 +147,7 @@ pub enum SceneError {
         "obstacle {number} lies outside the arena: it reaches from ({:.3}, {:.3}) to ({:.3}, {:.3}) m",
         .bounds.x0, .bounds.y0, .bounds.x1, .bounds.y1
     )]
+    #[diagnostic(help("move it into the arena, or leave it out"))]
     Outside {
         /// The obstacle, counted from 1.
         number: usize,
@@ -133,7 +155,8 @@ pub enum SceneError {
         bounds: Rect,
     },
     /// A margin is no distance, or one of four where the shape takes a single one.
-    #[error("the margin of obstacle {number} is {value} m; it must be finite and at least 0")]
+    #[error("the margin of obstacle {number} is {value} m")]
+    #[diagnostic(help("it must be finite and at least 0"))]
     Margin {
         /// The obstacle, counted from 1.
         number: usize,
@@ -142,14 +165,14 @@ pub enum SceneError {
     },
     /// Four margins for a shape that has no left, lower, right and upper edge.
     #[error("obstacle {number} is no upright rectangle, so its margin is one number, not four")]
+    #[diagnostic(help("give one number, the distance by which its outline may lie farther out"))]
     FourMargins {
         /// The obstacle, counted from 1.
         number: usize,
     },
     /// There are more margins than obstacles, or fewer.
-    #[error(
-        "there are {margins} margins for {obstacles} obstacles; give one for each, or none at all"
-    )]
+    #[error("there are {margins} margins for {obstacles} obstacles")]
+    #[diagnostic(help("give one for each, or none at all"))]
     MarginCount {
         /// How many margins there are.
         margins: usize,

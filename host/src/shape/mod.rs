@@ -28,6 +28,7 @@ pub enum Shape {
 
 /// A disc.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(from = "[f64; 3]", into = "[f64; 3]")]
 pub struct Circle {
     /// Its centre, metres.
@@ -37,34 +38,39 @@ pub struct Circle {
 }
 
 /// Why numbers make no shape.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum ShapeError {
     /// Too few different corners.
     #[error("a polygon has three corners or more, this one has {count} different ones")]
+    #[diagnostic(help("give at least three different corners"))]
     FewCorners {
         /// How many there are.
         count: usize,
     },
     /// Too many corners.
     #[error("a polygon has at most {CORNER_LIMIT} corners, this one has {count}")]
+    #[diagnostic(help("leave out corners that hardly matter, or give several polygons"))]
     ManyCorners {
         /// How many there are.
         count: usize,
     },
     /// Two edges cross or touch.
     #[error("its outline crosses or touches itself: edge {} meets edge {}", .edges[0] + 1, .edges[1] + 1)]
+    #[diagnostic(help("list the corners in the order in which they follow each other around it"))]
     Crossing {
         /// The indices of the corners at which the two edges begin.
         edges: [usize; 2],
     },
     /// A coordinate is infinite or no number.
     #[error("{value} is no coordinate")]
+    #[diagnostic(help("give a finite number of metres"))]
     NotFinite {
         /// What was given.
         value: f64,
     },
     /// A length that has to be above 0 is not.
-    #[error("its {what} is {value} m; it must be above 0")]
+    #[error("its {what} is {value} m")]
+    #[diagnostic(help("it must be above 0"))]
     NoSize {
         /// What it is that has no size.
         what: &'static str,

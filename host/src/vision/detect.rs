@@ -2,42 +2,34 @@
 
 use crate::geometry::{Arena, Point, Pose, Rect};
 use crate::scene::Obstacle;
-use crate::shape::Circle;
+use crate::shape::{Circle, Shape};
 use crate::vision::appearance::Look;
-use crate::vision::border::{self, check_arena, given};
-use crate::vision::boxes::{self, Bounded, Found, lined_sides};
+use crate::vision::border::{PictureCorner, check_arena};
+use crate::vision::boxes::{self, Bounded, Found, Known, Trace, lined_sides};
 use crate::vision::camera::{Camera, PlanMap, Viewpoint};
 use crate::vision::empty::{check_still, over_even_floor};
 use crate::vision::error::VisionError;
-use crate::vision::image::{Photo, check_overview};
-use crate::vision::marks::{Marks, known_top};
+use crate::vision::floor_clarity::FloorClarity;
+use crate::vision::image::Photo;
+use crate::vision::locate::{Located, locate};
+use crate::vision::marks::Marks;
 use crate::vision::paper::{Steps, paper_rectangles, steps};
-use crate::vision::robot::{self, RobotTop};
+use crate::vision::robot::{self, RobotBody, RobotTop, SeenRobot};
 use crate::vision::tags::{self, TagPoint};
+use crate::vision::warning::Warning;
 
 /// The robot radius of the paper's experiment, metres [Alghannam, Sec. V].
 const PAPER_RADIUS: f64 = 0.075;
 /// The paper's obstacles need no plan view in colour; to find the robot its radius has so many cells.
 const ROBOT_CELLS: f64 = 10.0;
-/// Shadow deeper than this looks like dark boxes, a floor that varies more hides boxes (logarithms).
-const DEEP_SHADOW: f32 = -0.75;
-const UNEVEN_FLOOR: f32 = 0.04;
-/// Without boxes, the robot's top this much larger than its disc tells that things lean.
-const LEANING_ROBOT: f64 = 1.03;
 /// The height of the robot's top above the floor, metres, if nobody says.
 const USUAL_ROBOT_HEIGHT: f64 = 0.07;
 /// Nothing is thinner, metres.
 const LEAST_WIDTH: f64 = 0.002;
-/// Of light's greatest change near the border, the least share at the place where a camera has it. Where low walls hide
-/// or shade the border it falls to 0.28; 12 pixels beside it is mostly below 0.1.
-const LEAST_SEEN: f64 = 0.25;
+/// A robot whose place is less sure than this is worth a warning, metres.
+const MUCH_DOUBT: f64 = 0.005;
 /// With strips along so many sides the border that was found is not the floor's.
 const LINED_SIDES: usize = 3;
-/// A border that fits worse than this many pixels is worth a warning.
-const ROUGH_BORDER: f64 = 0.8;
-
-/// What to say of lines that were taken for floor.
-const FLOOR_LINES: &str = "thin lines from one side of the arena to the other are taken for lines on the floor: if they are walls, the plan goes through them";
 
 /// How obstacles are told from the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,14 +47,23 @@ pub struct DetectOptions {
     /// How obstacles are told from the floor.
     pub method: Method,
     /// The arena's corners in the photo, pixels: lower left, lower right, upper right, upper left.
-    /// They are sought if not given.
+    /// They are searched for if not given.
     pub corners: Option<[[f64; 2]; 4]>,
+    /// Which corner of the picture is the arena's origin. If nobody says, given corners begin there; else it is the
+    /// lower left one, or the lower right one where the arena's size shows that its width runs up.
+    pub origin: Option<PictureCorner>,
     /// The camera, if it is calibrated; corners are then not looked for.
     pub camera: Option<Camera>,
+    /// Where floor points are in the photo, if an earlier picture by the same camera has told, which has not
+    /// moved since; the border is then not looked for.
+    pub map: Option<PlanMap>,
     /// Which point of the tags in the arena's corners is its corner, if there are such tags.
     pub tags: Option<TagPoint>,
-    /// The number of the tag on the robot's top, if it has one: its right edge points ahead.
+    /// The number of the tag on the robot's top, if it has one.
     pub robot_tag: Option<usize>,
+    /// Where that tag is on the robot: how far its centre is ahead and to the left of the robot's middle, metres, and
+    /// which way its right edge points from straight ahead, radians.
+    pub robot_tag_mount: Pose,
     /// The number of a tag that lies where the robot is to go.
     pub goal_tag: Option<usize>,
     /// Where the robot stands if it has no mark: what is seen there is the robot.
@@ -80,14 +81,24 @@ pub struct DetectOptions {
     pub empty: Option<Photo>,
 }
 
+impl DetectOptions {
+    /// What the robot is like.
+    pub(super) fn robot_body(&self) -> RobotBody {
+        RobotBody { radius: self.robot_radius, height: self.robot_height }
+    }
+}
+
 impl Default for DetectOptions {
     fn default() -> Self {
         Self {
             method: Method::Robust,
             corners: None,
+            origin: None,
             camera: None,
+            map: None,
             tags: None,
             robot_tag: None,
+            robot_tag_mount: Pose::new(0.0, 0.0, 0.0),
             goal_tag: None,
             robot_at: None,
             ignored: Vec::new(),
@@ -106,14 +117,16 @@ pub struct Detection {
     pub obstacles: Vec<Obstacle>,
     /// The arena's corners 0..3 in the photo, pixels.
     pub corners_px: [[f64; 2]; 4],
+    /// Where floor points are in the photo.
+    pub map: PlanMap,
     /// The robot, if it is in the picture.
     pub robot: Option<Pose>,
     /// Where a tag marks the goal.
     pub goal: Option<Point>,
-    /// How surely the arena was found, 0 to 1.
+    /// How surely the arena was found and its floor lets boxes be told from it, 0 to 1.
     pub confidence: f64,
     /// What the user should know about this answer.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// The pictures of the steps, if they were asked for.
     pub steps: Option<Steps>,
 }
@@ -148,75 +161,196 @@ pub fn detect(
     arena: Arena,
     options: &DetectOptions,
 ) -> Result<Detection, VisionError> {
+    detect_whole(photo, arena, options).map(|(detection, ..)| detection)
+}
+
+/// What was found in a photo and helps with the next one by the same camera.
+#[derive(Clone, Debug)]
+pub(super) struct Whole {
+    /// What stands on the floor, in the order of the obstacles.
+    pub(super) things: Vec<Thing>,
+    /// Where nothing is an obstacle, but for the robot's tag.
+    pub(super) left_out: Vec<Shape>,
+    pub(super) viewpoint: Option<Viewpoint>,
+    /// Whether the camera's height above the floor is known.
+    pub(super) knows_height: bool,
+    /// Whether the robot shows its tag or disc.
+    pub(super) is_marked: bool,
+    /// The photo's width and height, pixels.
+    pub(super) size: [usize; 2],
+}
+
+/// An obstacle and where it is seen.
+#[derive(Clone, Debug)]
+pub(super) struct Thing {
+    pub(super) obstacle: Obstacle,
+    pub(super) trace: Trace,
+}
+
+/// The things that were found, boxes first.
+pub(super) fn things(found: Found) -> Vec<Thing> {
+    let upright = |seen: Bounded| Bounded { rect: upright(seen.rect), ..seen }.obstacle();
+    let obstacles = found.boxes.into_iter().map(upright).chain(found.shapes);
+    let whole = obstacles.zip(found.traces);
+    whole.map(|(obstacle, trace)| Thing { obstacle, trace }).collect()
+}
+
+/// The same as [`detect`], with what helps with the next photo and what is known of floor and light.
+pub(super) fn detect_whole(
+    photo: &Photo,
+    arena: Arena,
+    options: &DetectOptions,
+) -> Result<(Detection, Whole, Option<Known>), VisionError> {
     check(arena, options.robot_radius)?;
-    let mut warnings = Vec::new();
     if let Some(empty) = &options.empty {
         check_still(photo, empty)?;
     }
     let marks = Marks::of(photo, options);
-    let (map, confidence) = locate(photo, arena, options, &marks, &mut warnings)?;
+    let Located { map, confidence, mut warnings } = locate(photo, arena, options, &marks)?;
     let empty = options.empty.as_ref().filter(|_| options.method == Method::Robust);
     let even = empty.and_then(|empty| over_even_floor(photo, empty, &map, arena));
-    let taken = photo;
-    let photo = even.as_ref().unwrap_or(taken);
-    let look = match options.method {
-        Method::Robust => Look::at(photo, &map, arena),
-        Method::Paper => Look::no_finer(photo, &map, arena, ROBOT_CELLS / options.robot_radius),
-    };
-    let mut look = look.ok_or(VisionError::Corners)?;
+    let picture = Picture { taken: photo, even: even.as_ref(), map: &map, arena, options };
     let left_out = marks.left_out(&map, &options.ignored);
+    let mut look = picture.look()?;
     look.leave_out(left_out.clone());
-    warnings
-        .extend(hard_floor(look.floor.spread[0], look.floor.shadow.map(|shadow| shadow.offset[0])));
-    let tagged = marks.robot.as_ref().map(|tag| tags::pose(tag, &map));
-    let radius = options.robot_radius;
-    let marked = match tagged {
-        Some(pose) => Some(known_top(pose, radius)),
-        None => robot::find(photo, &map, &look, radius).or_else(|| {
-            even.as_ref()?;
-            let rough = Look::no_finer(taken, &map, arena, ROBOT_CELLS / radius)?;
-            robot::find(taken, &map, &rough, radius)
-        }),
-    };
-    let top = marked.or(options.robot_at.map(|pose| known_top(pose, radius)));
+    let clarity = FloorClarity::of(&look.floor);
+    warnings.extend(clarity.warning());
     warnings.extend(marks.missing(options));
-    let steps = options.keep_steps.then(|| steps(photo, &map, arena, options.robot_radius));
-    let viewpoint = match &options.camera {
-        Some(camera) => camera.viewpoint(),
-        None => Viewpoint::of(photo, &map),
-    };
-    let found = match options.method {
-        Method::Paper => {
-            let boxes = paper_rectangles(photo, &map, arena, top, &left_out);
-            Found { boxes, shapes: Vec::new(), leans: None, has_lines: false }
-        }
-        Method::Robust => boxes::find(photo, &map, look, top, viewpoint),
-    };
-    let robot = top.map(|top| {
-        let viewpoint = viewpoint.filter(|_| leans(&found, top, options));
-        match (tagged, options.robot_at) {
-            (Some(seen), _) => tag_pose(seen, options, viewpoint),
-            (None, Some(pose)) if marked.is_none() => pose,
-            (None, _) => robot_pose(photo, &map, options, viewpoint, top),
-        }
-    });
-    let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
-    warnings.extend(found.has_lines.then(|| FLOOR_LINES.into()));
-    let sought = options.camera.is_none() && options.corners.is_none() && options.tags.is_none();
-    if sought && lined_sides(&rects, arena) >= LINED_SIDES {
-        return Err(VisionError::OddBorder { arena, ratio: None });
-    }
-    let boxes: Vec<Bounded> =
-        found.boxes.into_iter().map(|seen| Bounded { rect: upright(seen.rect), ..seen }).collect();
-    Ok(Detection {
-        obstacles: boxes.iter().map(Bounded::obstacle).chain(found.shapes).collect(),
+    let marked = picture.marked_robot(&marks, &look);
+    let seen = marked.or(options.robot_at.map(SeenRobot::Told));
+    let steps =
+        options.keep_steps.then(|| steps(picture.photo(), &map, arena, options.robot_radius));
+    let viewpoint = picture.viewpoint();
+    let mut found = picture.obstacles(look, seen, viewpoint, &left_out);
+    let knows_height = options.camera.as_ref().is_some_and(Camera::knows_height);
+    // Boxes that stand upright in the picture tell that the camera is far away.
+    let from = viewpoint.filter(|_| knows_height || found.leans.unwrap_or(true));
+    let robot = seen.map(|seen| picture.stands(seen, from, knows_height));
+    let is_guessed = !knows_height && found.leans.is_none();
+    warnings.extend(is_guessed.then(|| picture.doubt(seen, from)).flatten());
+    warnings.extend(found.has_lines.then_some(Warning::FloorLines));
+    picture.check_border(&found)?;
+    let known = found.known.take();
+    let things = things(found);
+    let detection = Detection {
+        obstacles: things.iter().map(|thing| thing.obstacle.clone()).collect(),
         goal: marks.goal.as_ref().map(|tag| map.to_floor(tag.centre_px())),
         corners_px: map.seen_corners(arena),
         robot,
-        confidence,
+        confidence: confidence * clarity.certainty(),
         warnings,
-        steps: steps.filter(|_| options.keep_steps),
-    })
+        steps,
+        map,
+    };
+    let left_out = marks.left_out_at_rest(&detection.map, &options.ignored);
+    let size = [photo.width(), photo.height()];
+    let is_marked = marked.is_some();
+    let whole = Whole { things, left_out, viewpoint, knows_height, is_marked, size };
+    Ok((detection, whole, known))
+}
+
+/// A photo in which the floor has been found.
+#[derive(Clone, Copy)]
+struct Picture<'a> {
+    /// As it was taken.
+    taken: &'a Photo,
+    /// As it would be over an even floor, if a picture of the empty arena tells.
+    even: Option<&'a Photo>,
+    map: &'a PlanMap,
+    arena: Arena,
+    options: &'a DetectOptions,
+}
+
+impl Picture<'_> {
+    /// What obstacles are looked for in.
+    fn photo(&self) -> &Photo {
+        self.even.unwrap_or(self.taken)
+    }
+
+    /// What the floor looks like.
+    fn look(&self) -> Result<Look, VisionError> {
+        let (photo, map, arena) = (self.photo(), self.map, self.arena);
+        let look = match self.options.method {
+            Method::Robust if self.even.is_some() => Look::at_even_floor(photo, map, arena),
+            Method::Robust => Look::at(photo, map, arena),
+            Method::Paper => Look::no_finer(photo, map, arena, self.robot_cells()),
+        };
+        look.ok_or(VisionError::Corners)
+    }
+
+    fn robot_cells(&self) -> f64 {
+        ROBOT_CELLS / self.options.robot_radius
+    }
+
+    /// The robot by its tag or disc.
+    fn marked_robot(&self, marks: &Marks, look: &Look) -> Option<SeenRobot> {
+        match &marks.robot {
+            Some(tag) => Some(SeenRobot::Tag(tags::pose(tag, self.map))),
+            None => self.top(look).map(SeenRobot::Disc),
+        }
+    }
+
+    /// The robot whose disc is seen; over an evened floor also in the photo as it was taken, by fewer cells.
+    fn top(&self, look: &Look) -> Option<RobotTop> {
+        let size = self.options.robot_body().top_size(self.options.camera.as_ref());
+        robot::find(self.photo(), self.map, look, size).or_else(|| {
+            self.even?;
+            let rough = Look::no_finer(self.taken, self.map, self.arena, self.robot_cells())?;
+            robot::find(self.taken, self.map, &rough, size)
+        })
+    }
+
+    /// Where the camera is, as its file says or the border shows.
+    fn viewpoint(&self) -> Option<Viewpoint> {
+        match &self.options.camera {
+            Some(camera) => camera.viewpoint(),
+            None => Viewpoint::of(self.photo(), self.map),
+        }
+    }
+
+    fn obstacles(
+        &self,
+        look: Look,
+        robot: Option<SeenRobot>,
+        viewpoint: Option<Viewpoint>,
+        left_out: &[Shape],
+    ) -> Found {
+        let (photo, map) = (self.photo(), self.map);
+        let top =
+            robot.map(|seen| seen.top(self.options.robot_body(), self.options.robot_tag_mount));
+        match self.options.method {
+            Method::Paper => Found::plain(paper_rectangles(photo, map, self.arena, top, left_out)),
+            Method::Robust => boxes::find(photo, map, look, top, viewpoint),
+        }
+    }
+
+    /// Where a robot stands.
+    fn stands(&self, seen: SeenRobot, from: Option<Viewpoint>, knows_height: bool) -> Pose {
+        let mount = self.options.robot_tag_mount;
+        seen.stands(
+            (self.photo(), self.map),
+            self.options.robot_body(),
+            mount,
+            (from, knows_height),
+        )
+    }
+
+    /// What to say of a robot whose place is a guess.
+    fn doubt(&self, seen: Option<SeenRobot>, from: Option<Viewpoint>) -> Option<Warning> {
+        let (Some(SeenRobot::Disc(top)), Some(view)) = (seen, from) else { return None };
+        let doubt = self.options.robot_body().doubt(self.photo(), self.map, top, view);
+        (doubt > MUCH_DOUBT).then_some(Warning::RobotPlace { doubt })
+    }
+
+    /// Refuses a border that was searched for and along which nothing but strips were found.
+    fn check_border(&self, found: &Found) -> Result<(), VisionError> {
+        let DetectOptions { map, camera, corners, tags, .. } = self.options;
+        let is_told = map.is_some() || camera.is_some() || corners.is_some() || tags.is_some();
+        let rects: Vec<Rect> = found.boxes.iter().map(|seen| seen.rect).collect();
+        let is_odd = !is_told && lined_sides(&rects, self.arena) >= LINED_SIDES;
+        let odd = VisionError::OddBorder { arena: self.arena, ratio: None };
+        if is_odd { Err(odd) } else { Ok(()) }
+    }
 }
 
 /// The same rectangle with its edges in order: edges of a sliver may be measured past each other, and
@@ -228,125 +362,6 @@ pub(crate) fn upright(Rect { x0, y0, x1, y1 }: Rect) -> Rect {
     };
     let ((x0, x1), (y0, y1)) = (ordered(x0, x1), ordered(y0, y1));
     Rect::new(x0, y0, x1, y1)
-}
-
-/// The map from floor to photo, by camera, by corners or by the border, and how sure it is.
-///
-/// A photo with faults is refused here, where a small copy of it is at hand.
-fn locate(
-    photo: &Photo,
-    arena: Arena,
-    options: &DetectOptions,
-    marks: &Marks,
-    warnings: &mut Vec<String>,
-) -> Result<(PlanMap, f64), VisionError> {
-    let small = photo.reduced(photo.overview_factor());
-    check_overview(&small)?;
-    if let Some(camera) = &options.camera {
-        let map = camera.plan_map(photo)?;
-        let seen = border_seen(photo, &map, arena);
-        warnings.extend(moved_camera(seen));
-        return Ok((map, if seen < LEAST_SEEN { seen } else { 1.0 }));
-    }
-    if let Some(corners) = options.corners {
-        return Ok((given(photo, arena, corners)?, 1.0));
-    }
-    if let Some(point) = options.tags {
-        return Ok((given(photo, arena, tags::corners(&marks.corners(), point)?)?, 1.0));
-    }
-    let border = match &options.empty {
-        // Nothing stands before its border.
-        Some(empty) => border::find(empty, &empty.reduced(empty.overview_factor()), arena)?,
-        None => border::find(photo, &small, arena)?,
-    };
-    warnings.extend(rough_border(border.residual));
-    Ok((border.map, border.score))
-}
-
-/// Whether what stands on the floor leans: boxes tell, and without any the size of the robot's top.
-fn leans(found: &Found, top: RobotTop, options: &DetectOptions) -> bool {
-    found.leans.unwrap_or(top.radius / options.robot_radius > LEANING_ROBOT)
-}
-
-/// The pose of the robot whose top is seen; with a viewpoint the top appears beside its foot.
-fn robot_pose(
-    photo: &Photo,
-    map: &PlanMap,
-    options: &DetectOptions,
-    viewpoint: Option<Viewpoint>,
-    top: RobotTop,
-) -> Pose {
-    let lean = viewpoint.map(|view| {
-        let guess = robot_lean(view, options, top.radius / options.robot_radius);
-        let shown = || robot::shown_lean(photo, map, top, view.foot, options.robot_radius);
-        let lean = if knows_height(options) { None } else { shown() };
-        (view.foot, lean.unwrap_or(guess))
-    });
-    Pose {
-        position: lean.map_or(top.centre, |(foot, lean)| lowered(top.centre, foot, lean)),
-        heading: top.heading,
-    }
-}
-
-/// The pose of the robot whose tag is seen at a pose on the floor's plane: it lies as high as the top.
-fn tag_pose(seen: Pose, options: &DetectOptions, viewpoint: Option<Viewpoint>) -> Pose {
-    let position = viewpoint.map_or(seen.position, |view| {
-        let lean = view.height / (view.height - options.robot_height).max(1e-3);
-        lowered(seen.position, view.foot, lean)
-    });
-    Pose { position, ..seen }
-}
-
-/// How much larger the robot's top looks than its base: by the camera's height if that is known, else
-/// by that guess and by the disc's size together.
-fn robot_lean(view: Viewpoint, options: &DetectOptions, seen: f64) -> f64 {
-    let by_height = view.height / (view.height - options.robot_height).max(1e-3);
-    if knows_height(options) { by_height } else { (by_height + seen.clamp(1.0, 1.06)) / 2.0 }
-}
-
-fn knows_height(options: &DetectOptions) -> bool {
-    options.camera.as_ref().is_some_and(Camera::knows_height)
-}
-
-/// The floor point under what appears at `point` on the robot's top.
-fn lowered(point: Point, foot: Point, lean: f64) -> Point {
-    Point::new(foot.x + (point.x - foot.x) / lean, foot.y + (point.y - foot.y) / lean)
-}
-
-/// What to say about a floor on which boxes may hide: `spread` of its brightness and depth of shadow
-/// on it, natural logarithms.
-fn hard_floor(spread: f32, shadow: Option<f32>) -> Option<String> {
-    let deep = shadow.is_some_and(|depth| depth < DEEP_SHADOW);
-    let advice =
-        "boxes that look like floor or shadow may be missed or misplaced; check the obstacles";
-    (deep || spread > UNEVEN_FLOOR).then(|| {
-        let depth = f64::from(shadow.unwrap_or(0.0)).exp();
-        format!(
-            "the floor's brightness varies by {:.0} %, shadow leaves {:.0} % of it: {advice}",
-            100.0 * spread,
-            100.0 * depth
-        )
-    })
-}
-
-/// How clearly the border is seen where a map has it, 0 to 1: on all sides but the least clear one.
-fn border_seen(photo: &Photo, map: &PlanMap, arena: Arena) -> f64 {
-    let mut shown = border::shown(photo, map, arena);
-    shown.sort_by(f64::total_cmp);
-    shown[1]
-}
-
-/// What to say about a border that is seen so clearly where the camera has it.
-fn moved_camera(seen: f64) -> Option<String> {
-    let warning = "the border is not seen where the camera file has it: the camera may have moved; calibrate it again";
-    (seen < LEAST_SEEN).then(|| warning.into())
-}
-
-/// What to say about a border that fits badly.
-fn rough_border(residual: f64) -> Option<String> {
-    let advice = "straighten the tape or give --corners";
-    (residual > ROUGH_BORDER)
-        .then(|| format!("the border fits a rectangle only to {residual:.1} pixels; {advice}"))
 }
 
 /// Whether arena and robot are possible.

@@ -4,9 +4,8 @@
 use super::camera::PlanMap;
 use super::detect::DetectOptions;
 use super::image::Photo;
-use super::robot::RobotTop;
 use super::tags::{self, Tag, TagDictionary, find_tags};
-use crate::geometry::Pose;
+use super::warning::Warning;
 use crate::shape::{Circle, Polygon, Shape};
 
 /// The tags of a photo, by what they mark.
@@ -36,27 +35,30 @@ impl Marks {
     /// The places on the floor that tags cover and those that a person leaves out: nothing there is an
     /// obstacle.
     pub(super) fn left_out(&self, map: &PlanMap, ignored: &[Circle]) -> Vec<Shape> {
-        // A tag whose outline is none on the floor is seen edge on, and stands on no floor.
-        let tags = self.seen.iter().filter_map(|tag| Polygon::new(tags::patch(tag, map)).ok());
-        tags.map(Shape::from).chain(ignored.iter().map(|&disc| disc.into())).collect()
+        covered(self.seen.iter(), map, ignored)
+    }
+
+    /// The same without the robot's tag.
+    pub(super) fn left_out_at_rest(&self, map: &PlanMap, ignored: &[Circle]) -> Vec<Shape> {
+        covered(self.seen.iter().filter(|tag| Some(*tag) != self.robot.as_ref()), map, ignored)
     }
 
     /// What to say of tags that were asked for and are not seen.
-    pub(super) fn missing(&self, options: &DetectOptions) -> Vec<String> {
+    pub(super) fn missing(&self, options: &DetectOptions) -> Vec<Warning> {
         let wanted =
             [("robot", options.robot_tag, &self.robot), ("goal", options.goal_tag, &self.goal)];
         let lost = wanted.into_iter().filter(|(_, _, found)| found.is_none());
-        lost.filter_map(|(what, id, _)| {
-            Some(format!(
-                "tag {} of the {what} is not seen; show it flat and sharp, with a white rim",
-                id?
-            ))
-        })
-        .collect()
+        lost.filter_map(|(of, id, _)| Some(Warning::TagNotSeen { of, id: id? })).collect()
     }
 }
 
-/// The robot whose pose is known otherwise than by its disc.
-pub(super) fn known_top(pose: Pose, radius: f64) -> RobotTop {
-    RobotTop { centre: pose.position, radius, heading: pose.heading, certainty: 1.0 }
+/// The places on the floor that tags cover and those that are ignored.
+fn covered<'a>(
+    tags: impl Iterator<Item = &'a Tag>,
+    map: &PlanMap,
+    ignored: &[Circle],
+) -> Vec<Shape> {
+    // A tag whose outline is none on the floor is seen edge on, and stands on no floor.
+    let tags = tags.filter_map(|tag| Polygon::new(tags::patch(tag, map)).ok());
+    tags.map(Shape::from).chain(ignored.iter().map(|&disc| disc.into())).collect()
 }

@@ -20,7 +20,9 @@
 //! | `appearance` | what floor and shadow look like, and which cells are neither |
 //! | `border` | lines, quads, the choice of the border, the light along its sides |
 //! | `robot` | the robot's top and its heading |
+//! | `outline` | the polygon or disc that a contour is |
 //! | `boxes` | obstacles from one picture: evidence, search, refined edges with margins, and what no box explains |
+//! | `sequence` | pictures one after the other: only what has changed is read again |
 //! | `stereo` | obstacles and their heights from two pictures |
 //! | `calibrate` | a camera from pictures of the arena's border |
 //! | `paper` | the paper's own steps |
@@ -28,7 +30,7 @@
 //! [`detect`] is the whole flow; each of the paper's steps is a function of its own
 //! ([`brightness_view`], [`edge_magnitude`], [`average_filter`], [`histogram_mean`], [`threshold`], [`invert`],
 //! [`detect_obstacles`], [`enlarge`], [`obstacle_borders`]), usable alone. Pixels never leave this module
-//! but as `corners_px`; everything else is metres and radians in the arena frame. Two pictures by two
+//! but as `corners_px` and as candidates for the border to be drawn; everything else is metres and radians in the arena frame. Two pictures by two
 //! calibrated cameras give heights too: [`detect_pair`].
 //!
 //! `python3 host/benches/vision_peer.py SCENES` compares time with an OpenCV baseline on the same pictures,
@@ -42,15 +44,21 @@ mod camera;
 mod detect;
 mod empty;
 mod error;
+mod floor_clarity;
 mod image;
+mod least_squares;
+mod locate;
 mod marks;
 mod outline;
 mod paper;
 mod plan_view;
 mod robot;
+mod sequence;
 mod stereo;
 mod tags;
+mod warning;
 
+pub use border::{BorderCandidates, PictureCorner, SeenBorder, border_candidates};
 pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
 pub use detect::{DetectOptions, Detection, Method, detect};
@@ -65,5 +73,7 @@ pub use paper::{
     paper_steps, segments, threshold,
 };
 pub use plan_view::{PlanFrame, brightness_view, plan_view};
+pub use sequence::Sequence;
 pub use stereo::{PairDetection, PairSteps, RaisedBox, detect_pair};
 pub use tags::{Tag, TagDictionary, TagPoint, find_tags};
+pub use warning::Warning;

@@ -116,10 +116,6 @@ impl Drawing {
 
     fn compared(&self, found: &[Obstacle]) -> Outcome {
         let (columns, rows) = ((ARENA.width * SCALE) as usize, (ARENA.height * SCALE) as usize);
-        let beyond = |point: Point, obstacle: &Obstacle| match obstacle.footprint.as_rect() {
-            Some(rect) => rect.widened(obstacle.margin).distance(point),
-            None => (obstacle.footprint.distance(point) - obstacle.largest_margin()).max(0.0),
-        };
         let (mut out, mut both, mut any) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut of_shape = vec![(0_usize, 0_usize); found.len()];
         for index in 0..columns * rows {
@@ -137,7 +133,7 @@ impl Drawing {
             both += f64::from(u8::from(is_drawn && is_found));
             any += f64::from(u8::from(is_drawn || is_found));
             if is_drawn {
-                let distance = found.iter().map(|seen| beyond(point, seen)).fold(9.0, f64::min);
+                let distance = found.iter().map(|seen| seen.distance(point)).fold(9.0, f64::min);
                 out = out.max(distance * SCALE);
             }
         }

@@ -23,7 +23,7 @@ pub(crate) const END_HEADING: f64 = 0.0175;
 
 pub(crate) fn wmr(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wmr"));
-    command.args(arguments).env_remove("WMR_PORT").output().unwrap()
+    command.args(arguments).env_remove("WMR_PORT").env("WMR_CONFIG", "").output().unwrap()
 }
 
 pub(crate) fn document(output: &Output) -> Value {
@@ -34,7 +34,34 @@ pub(crate) fn document(output: &Output) -> Value {
 pub(crate) fn succeed(arguments: &[&str]) -> Value {
     let output = wmr(arguments);
     assert!(output.status.success(), "{arguments:?}: {output:?}");
-    document(&output)
+    let document = document(&output);
+    assert_valid(&schema_of(arguments), &document);
+    document
+}
+
+/// The name of the schema of what `wmr` prints with these arguments.
+fn schema_of(arguments: &[&str]) -> String {
+    let has = |option: &str| arguments.contains(&option);
+    match arguments {
+        ["demo", ..] => "drive".into(),
+        ["plan", ..] if has("--queries") => "plan-queries".into(),
+        ["export", .., "--json"] if arguments.iter().any(|word| word.ends_with(".csv")) => {
+            "export-drive".into()
+        }
+        ["sim", ..] if has("--scenario") => "sim-scenario".into(),
+        ["calibrate" | "check", what, ..] => format!("{}-{what}", arguments[0]),
+        [command, ..] => (*command).into(),
+        [] => panic!("no command"),
+    }
+}
+
+/// A document must be what its schema in `host/schemas/` says.
+pub(crate) fn assert_valid(name: &str, document: &Value) {
+    let path = format!("{}/schemas/{name}.schema.json", env!("CARGO_MANIFEST_DIR"));
+    let schema = read_json(Path::new(&path));
+    if let Err(error) = jsonschema::validate(&schema, document) {
+        panic!("{name} at {}: {error}\n{document:#}", error.instance_path());
+    }
 }
 
 pub(crate) fn number(value: &Value) -> f64 {
@@ -63,7 +90,9 @@ pub(crate) fn read_json(path: &Path) -> Value {
 pub(crate) fn assert_refused(exit: i32, code: &str, arguments: &[&str]) {
     let output = wmr(&[arguments, &["--json"]].concat());
     assert_eq!(output.status.code(), Some(exit), "{arguments:?}: {output:?}");
-    let error = &document(&output)["error"];
+    let document = document(&output);
+    assert_valid("error", &document);
+    let error = &document["error"];
     assert_eq!(error["code"], code, "{arguments:?}: {error}");
     assert!(
         error["message"].as_str().unwrap().len() > 5 && error["help"].as_str().unwrap().len() > 5,

@@ -180,8 +180,3 @@ pub fn off_line(pose: TruePose, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f
 pub fn angle_between(a: f64, b: f64) -> f64 {
     (a - b).sin().atan2((a - b).cos())
 }
-
-/// A normally distributed number with spread 1, as the sum of twelve even ones.
-pub fn normal(random: &mut fastrand::Rng) -> f64 {
-    (0..12).map(|_| random.f64()).sum::<f64>() - 6.0
-}

@@ -1,8 +1,9 @@
 //! A base whose lengths are wrong drives UMBmark's courses; what calibration finds, and what it helps.
 
-use super::bench::{Bench, normal};
+use super::bench::Bench;
 use super::{Figure, Size};
 use hil_sim::base::{BaseParameters, TruePose};
+use hil_sim::noise::normal;
 use protocol::motion;
 use protocol::parameters::Parameters;
 use wmr::calibration::{BaseLengths, Course, Run, calibrate};

@@ -10,9 +10,10 @@
 //! The wheels' encoders know nothing of these errors; "perfect odometry" is the true pose, told to
 //! the controller in every tick.
 
-use super::bench::{Bench, angle_between, legs_through, normal, robot_pose};
+use super::bench::{Bench, angle_between, legs_through, robot_pose};
 use super::{Figure, Size};
 use hil_sim::base::{BaseParameters, Faults};
+use hil_sim::noise::normal;
 use protocol::motion::{Pose, Timing};
 use std::f64::consts::FRAC_PI_2;
 

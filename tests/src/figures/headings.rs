@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// Places in an interval at which the rate of a turn is looked at.
 const LOOKS: u32 = 12;
 
-/// Headings on an even grid that includes 0, ±90° and ±180°, with the drive's direction drawn anew
+/// Headings on an even grid that includes 0, ±90° and ±180°, with the drive's direction drawn again
 /// for each pair, in both timings.
 pub fn measure(size: Size) -> Vec<Figure> {
     let grid = size.pick(72, 720);

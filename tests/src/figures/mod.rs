@@ -14,6 +14,7 @@ pub mod error_model;
 pub mod headings;
 pub mod limits;
 pub mod pause;
+pub mod scrub;
 pub mod slip;
 pub mod stall;
 pub mod time;

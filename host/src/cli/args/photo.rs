@@ -4,6 +4,7 @@ use crate::cli::quantity;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use wmr::geometry::Arena;
+use wmr::scene::Goal;
 use wmr::shape::Circle;
 
 /// How a photo is read.
@@ -15,12 +16,23 @@ pub(crate) struct VisionArgs {
     /// The floor's corners in the photo, pixels, counter-clockwise from the lower left: "x,y x,y x,y x,y".
     #[arg(long, value_parser = quantity::corners, allow_hyphen_values = true, value_name = "CORNERS")]
     pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// Which corner of the picture is (0, 0); the width runs from there counter-clockwise. Without it: the corner lowest
+    /// at the left, or where --corners begin.
+    #[arg(long, value_enum, conflicts_with = "camera", value_name = "CORNER")]
+    pub(crate) origin: Option<CornerName>,
     /// Tags (ArUco 4x4 to 7x7, AprilTag) stand in the arena's four corners: which of their points is the corner.
     #[arg(long, value_enum, conflicts_with = "corners", value_name = "POINT")]
     pub(crate) tags: Option<TagPointName>,
-    /// The tag on the robot's top, its right edge ahead.
+    /// The tag on the robot's top: in its middle, its right edge ahead, unless --robot-tag-at says otherwise.
     #[arg(long, value_name = "ID")]
     pub(crate) robot_tag: Option<usize>,
+    /// Where the tag is on the robot: how far its centre is ahead and to the left of the robot's middle, and by how
+    /// much its right edge is turned counter-clockwise from straight ahead.
+    #[arg(long, value_parser = quantity::place, allow_hyphen_values = true, requires = "robot_tag", value_name = "X,Y[,DEG]")]
+    pub(crate) robot_tag_at: Option<Goal>,
+    /// Height of the robot's top, or of its tag, above the floor; 0.07 without.
+    #[arg(long, value_parser = quantity::distance, value_name = "H")]
+    pub(crate) robot_height: Option<f64>,
     /// A tag that lies where the robot is to go.
     #[arg(long, value_name = "ID")]
     pub(crate) goal_tag: Option<usize>,
@@ -38,6 +50,26 @@ pub(crate) struct VisionArgs {
     /// How obstacles are found.
     #[arg(long, value_enum, default_value_t = MethodName::Robust)]
     pub(crate) method: MethodName,
+}
+
+/// A corner of the arena as the picture shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CornerName {
+    LowerLeft,
+    LowerRight,
+    UpperRight,
+    UpperLeft,
+}
+
+impl From<CornerName> for wmr::vision::PictureCorner {
+    fn from(name: CornerName) -> Self {
+        match name {
+            CornerName::LowerLeft => Self::LowerLeft,
+            CornerName::LowerRight => Self::LowerRight,
+            CornerName::UpperRight => Self::UpperRight,
+            CornerName::UpperLeft => Self::UpperLeft,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

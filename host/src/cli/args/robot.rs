@@ -49,6 +49,7 @@ pub(crate) enum CheckCommand {
     ///
     /// Put the robot on a block first: its wheels must hang free. Motors that turn backward, encoders that
     /// count backward and swapped sides need no soldering: the robot keeps in its flash how it is wired.
+    #[command(after_help = "Example: wmr check base")]
     Base(CheckBaseArgs),
 }
 
@@ -65,18 +66,22 @@ pub(crate) struct CheckBaseArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum CalibrateCommand {
     /// Wheel radius, wheel ratio and track, from courses driven and measured (UMBmark).
+    #[command(after_help = "Example: wmr calibrate base --port sim")]
     Base(CalibrateBaseArgs),
     /// A camera's lens, height and place, from pictures of the arena: the file for --camera.
     ///
     /// Wherever boxes lean away from the camera, detect needs to know where it stands. A border seen from
     /// straight above tells where, but not how high: measure the height of the lens above the floor and
     /// give --height, or give the focal length.
+    #[command(
+        after_help = "Example: wmr calibrate camera photo.jpg --arena 1.6x2.0 --height 2.87 --out camera.json"
+    )]
     Camera(CalibrateCameraArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateCameraArgs {
-    /// Pictures of the arena, PNG or JPEG, all by the fixed camera; more of them make it surer.
+    /// Pictures of the arena, all by the fixed camera; more of them make it surer.
     #[arg(required = true, value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
     /// Pictures of the same arena by a second fixed camera; the file is then for detect PHOTO PHOTO_B.

@@ -39,12 +39,12 @@ pub(crate) struct WayArgs {
     /// Side of a cell of a Moving AI map.
     #[arg(long, value_parser = quantity::length, default_value = "1", value_name = "M")]
     pub(crate) resolution: f64,
-    /// How the time of a leg is chosen.
-    #[arg(long, value_enum, default_value_t = TimingName::Limits)]
-    pub(crate) timing: TimingName,
-    /// With --timing paper: how long each leg takes, seconds.
-    #[arg(long, value_parser = quantity::leg_time, default_value = "9", value_name = "SECONDS")]
-    pub(crate) leg_time: f64,
+    /// How the time of a leg is chosen [default: as in the plan that is driven, or limits].
+    #[arg(long, value_enum)]
+    pub(crate) timing: Option<TimingName>,
+    /// With --timing paper: how long each leg takes, seconds [default: as in the plan that is driven, or 9].
+    #[arg(long, value_parser = quantity::leg_time, value_name = "SECONDS")]
+    pub(crate) leg_time: Option<f64>,
     /// Never drive backwards; with --timing paper it never does.
     #[arg(long)]
     pub(crate) no_reverse: bool,
@@ -64,8 +64,8 @@ impl Default for WayArgs {
             cost: CostName::Length,
             inflation: None,
             resolution: 1.0,
-            timing: TimingName::Limits,
-            leg_time: 9.0,
+            timing: None,
+            leg_time: None,
             no_reverse: false,
         }
     }

@@ -10,13 +10,13 @@ impl StopDesk {
     pub(crate) fn open(_: &str) -> Self {
         Self
     }
-
-    pub(crate) fn asked(&self) -> bool {
-        false
-    }
-
-    pub(crate) fn confirm(&self) {}
 }
+
+pub(crate) fn asked() -> bool {
+    false
+}
+
+pub(crate) fn confirm() {}
 
 pub(crate) fn ask(_: &str) -> Answer {
     Answer::Nobody

@@ -28,6 +28,7 @@ export function takeState(document) {
   state.plan = document.plan && !failed ? document.plan : null;
   state.planProblem = failed;
   if (state.plan) {
+    state.planner = state.plan.planner ?? state.planner;
     const legs = state.plan.legs;
     const last = state.plan.scene.goal;
     state.start = state.plan.scene.start ?? legs[0]?.start ?? state.start;
@@ -50,7 +51,7 @@ let photoBlob = null;
 /** Counts what the person changes: an answer that was asked for before a change says nothing about it. */
 let edits = 0;
 
-/** Fetches everything anew, unless the person changes something meanwhile. */
+/** Fetches everything again, unless the person changes something meanwhile. */
 export async function refresh() {
   const before = edits;
   const document = await getState();
@@ -64,7 +65,7 @@ async function working(what, where, action) {
   try {
     return await action();
   } catch (error) {
-    state.problem[where] = error.message ? error : { message: String(error), help: '' };
+    if (error.code !== 'http.cancelled') state.problem[where] = error.message ? error : { message: String(error), help: '' };
     return null;
   } finally {
     state.working = '';
@@ -156,10 +157,20 @@ export async function recognise() {
 
 export async function useCorners(corners) {
   await working('Looking at the photo …', 'photo', async () => {
-    await post('corners', { corners_px: corners });
+    const isSeen = Boolean(state.detection);
+    takeState(await post('corners', { corners_px: corners }));
+    // All four are put where they are before anybody looks.
+    if (!isSeen) return;
     await post('detect', { arena: state.arena, robot_radius: state.radius, reading: state.reading });
     await refresh();
   });
+}
+
+/** Puts corners into the photo that can be dragged to where they are. */
+export function placeCorners() {
+  const { width, height } = state.photo;
+  const [left, right, top, bottom] = [0.2 * width, 0.8 * width, 0.2 * height, 0.8 * height];
+  return useCorners([[left, bottom], [right, bottom], [right, top], [left, top]]);
 }
 
 /** Plans in the scene of an earlier drive, from its start to its goal. */
@@ -275,7 +286,7 @@ async function planOnce() {
 export async function drive() {
   state.step = 'drive';
   state.past = null;
-  await working('', 'drive', () => post('drive', { plan: state.revision.plan }));
+  await working('', 'drive', () => post('drive', { plan: state.revision.plan, unattended: state.unattended }));
 }
 
 export const pause = () => working('', 'drive', () => post('pause'));

@@ -4,6 +4,17 @@ let token = document.querySelector('meta[name=wmr-token]').content;
 
 export const withToken = (path) => `${path}${path.includes('?') ? '&' : '?'}t=${token}`;
 
+/** Heavy requests can be given up. */
+const HEAVY = ['photo', 'detect', 'steps', 'plan'].map((what) => `/api/${what}`);
+let heavy = new AbortController();
+
+/** Gives up what the program works on for this page. */
+export function giveUp() {
+  heavy.abort();
+  heavy = new AbortController();
+  return post('cancel');
+}
+
 /** A request; throws the server's error as { code, message, help }. */
 export async function request(method, path, body, type = 'application/json') {
   const headers = { authorization: `Bearer ${token}` };
@@ -11,8 +22,9 @@ export async function request(method, path, body, type = 'application/json') {
   const sent = body === undefined || type !== 'application/json' ? body : JSON.stringify(body);
   let response;
   try {
-    response = await fetch(path, { method, headers, body: sent });
-  } catch {
+    response = await fetch(path, { method, headers, body: sent, signal: method === 'POST' && HEAVY.includes(path) ? heavy.signal : undefined });
+  } catch (error) {
+    if (error.name === 'AbortError') throw { code: 'http.cancelled', message: 'this was given up', help: '' };
     throw { code: 'page.offline', message: 'the program does not answer', help: 'start it again: wmr serve' };
   }
   const document = await response.json().catch(() => null);

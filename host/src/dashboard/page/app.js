@@ -1,6 +1,6 @@
 // The page: its steps in the order of the work, and the state from the server.
 
-import { listen } from './api.js';
+import { giveUp, listen } from './api.js';
 import { find } from './dom.js';
 import { isPlanning, refresh, replan, restore, timing } from './actions.js';
 import { isDragging } from './hands.js';
@@ -28,7 +28,7 @@ const HINTS = {
   photo: () => DRAWING[state.adding] ?? '',
   boxes: () => DRAWING[state.adding] ?? '',
   plan: () => (!state.start ? 'Click where the robot stands, and drag to where it looks' : !state.goal ? 'Click where it is to go' : ''),
-  drive: () => (state.past ? `An earlier drive: ${state.past.name}` : ''),
+  drive: () => '',
   base: () => '',
 };
 
@@ -66,11 +66,33 @@ onChange(() => {
     button.disabled = !here && step !== 'drive' && step !== 'base' && Boolean(before) && !reached[before] && !(step === 'plan' && state.scene);
   }
   for (const panel of document.querySelectorAll('[data-panel]')) panel.hidden = panel.dataset.panel !== state.step;
+  document.body.dataset.shows = state.step;
   find('hint').textContent = state.photo || state.scene ? state.working || HINTS[state.step]() : '';
 });
 
+// What takes long can be given up.
+const LONG = 500;
+let waiting = 0;
+find('cancel').addEventListener('click', giveUp);
+onChange(() => {
+  clearTimeout(waiting);
+  if (state.working) waiting = setTimeout(() => { find('cancel').hidden = !state.working; }, LONG);
+  else find('cancel').hidden = true;
+}, ({ working }) => working);
+
+/** A page that is opened when there is something to see already begins there. */
+function beginThere() {
+  if (state.step !== 'photo') return;
+  if (state.drive?.active) state.step = 'drive';
+  else if (state.plan) state.step = 'plan';
+  else if (state.scene) state.step = 'boxes';
+}
+
 let refreshing = false;
+let isFirst = true;
 async function takeLive(live) {
+  const first = isFirst;
+  isFirst = false;
   state.heard = performance.now();
   state.base = live.base;
   state.drive = live.drive;
@@ -82,6 +104,7 @@ async function takeLive(live) {
   refreshing = true;
   try {
     await refresh();
+    if (first && !state.working) beginThere();
     followRobot();
   } catch {
     // The next state tries again.

@@ -29,7 +29,8 @@ function badge() {
   const age = base?.age > OLD ? ` · ${base.age.toFixed(0)} s old` : '';
   const words = lost ? (state.online ? 'no link' : 'program gone') : `${WORDS[base.state] ?? ''}${battery}${age}`;
   if (find('base-state').textContent !== words) find('base-state').textContent = words;
-  node.title = [base?.name, base?.detail, base?.problem?.message].filter(Boolean).join('; ');
+  const heard = base?.age === null || base?.age === undefined ? null : `last heard ${base.age.toFixed(1)} s ago`;
+  node.title = [base?.name, base?.detail, base?.problem?.message, heard].filter(Boolean).join('; ');
 }
 
 function veil() {

@@ -1,11 +1,13 @@
 // Step 2: what was recognised, and its correction.
 
-import { element, fill, find, showProblem } from './dom.js';
+import { element, fill, find, sentence, showProblem } from './dom.js';
 import { withToken } from './api.js';
 import { addObstacle, editScene, erase, recogniseHere, replan, undoEdit } from './actions.js';
 import { bounds, centimetres, isBox, noMargin, round, share } from './floor.js';
 import { changed, onChange, state } from './state.js';
 
+/** A margin from which on its hatching is seen, metres. */
+const SHOWN_MARGIN = 0.002;
 const SIDES = ['box-x0', 'box-y0', 'box-x1', 'box-y1'];
 
 for (const button of document.querySelectorAll('[data-add]')) {
@@ -32,9 +34,14 @@ find('box-fields').addEventListener('change', () => {
   editScene(replaced(state.scene.obstacles, () => box), replaced(state.margins, () => noMargin(box)));
 });
 
-function kind(obstacle) {
-  if (isBox(obstacle)) return '';
-  return obstacle.circle ? ' round' : ` ${obstacle.polygon.length} corners`;
+/** How large an obstacle is, for people: a turned rectangle by its own sides. */
+function sizeOf(obstacle) {
+  if (obstacle.circle) return `${centimetres(2 * obstacle.circle[2])} cm round`;
+  const corners = obstacle.polygon ?? [];
+  const side = (i) => Math.hypot(corners[i][0] - corners[(i + 1) % 4][0], corners[i][1] - corners[(i + 1) % 4][1]);
+  if (corners.length === 4) return `${centimetres((side(0) + side(2)) / 2)} × ${centimetres((side(1) + side(3)) / 2)} cm, 4 corners`;
+  const [x0, y0, x1, y1] = bounds(obstacle);
+  return `${centimetres(x1 - x0)} × ${centimetres(y1 - y0)} cm${isBox(obstacle) ? '' : `, ${corners.length} corners`}`;
 }
 
 const numbers = (obstacle) => (isBox(obstacle) ? obstacle : obstacle.circle ?? obstacle.polygon.flat());
@@ -73,14 +80,16 @@ onChange(() => {
   const list = scene?.obstacles ?? [];
   const seen = list.length === 1 ? '1 obstacle' : `${list.length} obstacles`;
   const robot = detection ? (detection.robot ? 'and the robot' : 'and no robot') : '';
+  const unsure = state.margins.some((margin) => Math.max(...[margin].flat()) > SHOWN_MARGIN);
+  const hatched = unsure ? ' Hatched: so far out an edge may still lie.' : '';
   find('seen').textContent = scene
-    ? `${seen} ${robot}. Do the outlines lie over the boxes? Drag edges, erase what is none, add what is missing.`
+    ? `${seen} ${robot}. Do the outlines lie over the boxes? Drag edges, erase what is none, add what is missing.${hatched}`
     : 'Nothing yet: take a photo first.';
-  find('warnings').replaceChildren(...(detection?.warnings ?? []).map((text) => element('li', {}, text)));
+  find('warnings').replaceChildren(...(detection?.warnings ?? []).map((text) => element('li', {}, sentence(text))));
   find('boxes').replaceChildren(...list.map((obstacle, index) => {
     const [x0, y0, x1, y1] = bounds(obstacle);
     const button = element('button', { type: 'button', 'aria-pressed': String(state.selected === index) },
-      element('b', {}, String(index + 1)), `${centimetres(x1 - x0)} × ${centimetres(y1 - y0)} cm${kind(obstacle)}${isDrawn(obstacle) ? ' ✎' : ''}`,
+      element('b', {}, String(index + 1)), `${sizeOf(obstacle)}${isDrawn(obstacle) ? ' ✎' : ''}`,
       element('i', {}, `at ${((x0 + x1) / 2).toFixed(2)}, ${((y0 + y1) / 2).toFixed(2)} m`));
     button.addEventListener('click', () => {
       state.selected = state.selected === index ? null : index;

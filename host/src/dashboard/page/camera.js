@@ -18,7 +18,11 @@ export async function openCamera(onPhoto) {
     video.srcObject = stream;
     await video.play();
   } catch (error) {
-    showProblem(find('camera-problem'), { message: `no camera can be used (${error.name})`, help: 'allow it in the browser, or choose a file' });
+    // Browsers lend a camera to pages of their own computer alone, unless they are encrypted.
+    const problem = window.isSecureContext
+      ? { message: `no camera can be used (${error.name})`, help: 'allow it in the browser, or choose a file' }
+      : { message: 'the browser lends no camera to a page from another computer', help: 'choose File: a phone offers its camera there' };
+    showProblem(find('camera-problem'), problem);
   }
 }
 

@@ -33,8 +33,16 @@ export function showProblem(node, problem, ...more) {
   node.replaceChildren(element('p', {}, sentence(problem.message)), ...more, ...(help ? [help] : []));
 }
 
+/** What is said at a command line, and what of the page it means. */
+const OPTIONS = [
+  [/give --corners/g, 'put the corners there by hand'], [/tell by --corners where the border is/g, 'put the corners on the border by hand'],
+  [/check --arena/g, 'check its size'], [/add --arena.*/, 'say how wide and high it is'], [/a smaller --radius or --margin/, 'a smaller robot or margin'],
+  [/--planner exact/g, 'the exact planner'], [/--([a-z-]+)/g, (_, name) => name.replaceAll('-', ' ')],
+];
+
+/** A text of the program as a sentence on the page. */
 export function sentence(text) {
-  const trimmed = String(text).trim();
+  const trimmed = OPTIONS.reduce((words, [option, here]) => words.replace(option, here), String(text).trim());
   return trimmed.charAt(0).toUpperCase() + trimmed.slice(1) + (/[.!?]$/.test(trimmed) ? '' : '.');
 }
 

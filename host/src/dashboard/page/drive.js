@@ -9,6 +9,7 @@ import { degrees } from './floor.js';
 import { onChange, state } from './state.js';
 
 find('drive').addEventListener('click', drive);
+find('unattended').addEventListener('change', () => { state.unattended = find('unattended').checked; });
 find('pause').addEventListener('click', () => (state.drive?.pause_wanted ? resume() : pause()));
 
 function report(run) {
@@ -38,7 +39,8 @@ let drawn = 0;
 
 function follow() {
   const { drive: status, base } = state;
-  if (!status?.active || !base?.pose) return;
+  // Before it has the plan, the robot does not know where it stands.
+  if (!status?.active || !base?.pose || !(status.time > 0)) return;
   if (live.run !== status.revision) live = { run: status.revision, samples: [] };
   if (live.samples.at(-1)?.t !== status.time) live.samples.push({ t: status.time, pose: base.pose, wheels: base.wheels });
 }

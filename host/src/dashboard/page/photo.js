@@ -1,7 +1,7 @@
 // Step 1: the photo, the arena's size and corners.
 
-import { find, fill, showProblem } from './dom.js';
-import { recognise, useCorners, usePhoto, useSample } from './actions.js';
+import { find, fill, sentence, showProblem } from './dom.js';
+import { placeCorners, recognise, useCorners, usePhoto, useSample } from './actions.js';
 import { openCamera } from './camera.js';
 import { onChange, state } from './state.js';
 
@@ -13,6 +13,7 @@ find('try-sample').addEventListener('click', useSample);
 find('use-sample').addEventListener('click', useSample);
 find('use-camera').addEventListener('click', () => openCamera(usePhoto));
 find('corners-auto').addEventListener('click', () => useCorners(null));
+find('corners-place').addEventListener('click', placeCorners);
 find('file').addEventListener('change', (event) => {
   const [file] = event.target.files;
   if (file) usePhoto(file);
@@ -29,6 +30,11 @@ for (const name of ['dragover', 'dragleave', 'drop']) {
     if (file) usePhoto(file);
   });
 }
+
+const CORNERS = {
+  found: 'The corners were found by themselves. Drag one to where the floor really ends.',
+  unknown: 'The floor\'s corners are found by themselves where its border shows. Else put them there by hand.',
+};
 
 function takeSize() {
   if (!find('size').checkValidity()) return false;
@@ -58,12 +64,14 @@ onChange(() => {
     fill(height, String(state.arena.height));
   }
   fill(radiusField, String(Number((state.radius * 100).toFixed(2))));
+  const note = state.photo?.note;
+  find('photo-note').hidden = !note;
+  if (note) find('photo-note').textContent = `${sentence(note.message)} ${sentence(note.help)}`;
   find('recognise').disabled = !state.photo || Boolean(state.working);
   find('recognise').textContent = state.working || 'Recognise';
-  find('corners-tools').hidden = !state.photo || !(state.detection || state.corners);
-  find('corners-note').textContent = state.corners
-    ? 'The corners are where you put them.'
-    : 'The corners were found by themselves. Drag one to where the floor really ends.';
+  find('corners-tools').hidden = !state.photo;
+  find('corners-note').textContent = state.corners ? 'The corners are where you put them.' : CORNERS[state.detection ? 'found' : 'unknown'];
+  find('corners-place').hidden = Boolean(state.detection || state.corners);
   find('corners-auto').hidden = !state.corners;
   showProblem(find('photo-problem'), state.problem.photo);
 }, ({ arena, radius, photo, working, detection, corners, problem }) =>

@@ -1,4 +1,4 @@
-// The stage: the photo with everything that lies over it, drawn anew where something has changed.
+// The stage: the photo with everything that lies over it, drawn again where something has changed.
 
 import { withToken } from './api.js';
 import { find, shape } from './dom.js';
@@ -7,6 +7,8 @@ import { noObstacles } from './boxes.js';
 import { changed, onChange, state } from './state.js';
 
 const view = find('view');
+/** Smaller obstacles bear no number unless it matters, pixels on the screen. */
+const LEAST_NAMED = 15;
 const CORNERS = ['lower left', 'lower right', 'upper right', 'upper left'];
 
 let map = null;
@@ -57,9 +59,9 @@ function ghost() {
 function shownState() {
   const { step, photo, revision, arena, scene, selected, adding, plan, planProblem, start, goal: end, run } = state;
   const { width, height } = view.getBoundingClientRect();
-  const driving = ['drive', 'base'].includes(step) ? [trail.points.length, trail.points.at(-1), state.base?.pose, run?.report !== null] : null;
+  const driving = ['drive', 'base'].includes(step) ? [trail.points.length, trail.points.at(-1), state.base?.pose, state.drive?.reference, run?.report !== null] : null;
   const { draft, reading, past, showsGrid, lit } = state;
-  return [draft, reading.ignore, past?.name, showsGrid, lit, plan?.mini_matrix, step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
+  return [draft, reading, state.margins, plan?.tree, past?.name, showsGrid, lit, plan?.mini_matrix, step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
     plan?.waypoints, plan?.margin, state.preview, planProblem?.gap, start, end, driving, width, height];
 }
 
@@ -89,7 +91,7 @@ function layers() {
   const floor = state.photo ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
   if (state.step === 'photo') return [ground, floor, ...ignored(), ...draft(), ...(state.photo && currentCorners() ? cornerHandles() : []), ...magnifier()];
   if (!state.scene) return [ground, floor];
-  return [ground, floor, ...grown(), ...areas(), ...ignored(), ...erased(), ...obstacles(), ...gap(), ...way(), ...goal(), ...robot(), ...ghost(), ...boxHandles(), ...draft()];
+  return [ground, floor, ...grown(), ...areas(), ...tree(), ...ignored(), ...erased(), ...uncertain(), ...obstacles(), ...gap(), ...way(), ...goal(), ...reference(), ...robot(), ...tags(), ...ghost(), ...boxHandles(), ...draft()];
 }
 
 const addOrigin = ([x, y]) => [x + (state.scene.origin?.[0] ?? 0), y + (state.scene.origin?.[1] ?? 0)];
@@ -121,7 +123,49 @@ function grown() {
   const clip = shape('clipPath', { id: 'floor' }, shape('polygon', { points: points(map.corners) }));
   const square = state.plan?.inflation !== 'disc';
   const around = state.scene.obstacles.map((obstacle) => inflated(obstacle, growth(), square));
-  return [clip, shape('g', { 'clip-path': 'url(#floor)' }, ...around.map((list) => polygon(list, { class: 'grown' })))];
+  // All lines lie under all areas, so that only the outline of the whole is seen.
+  const layer = (kind) => around.map((list) => polygon(list, { class: kind }));
+  return [clip, shape('g', { 'clip-path': 'url(#floor)', class: 'zone' }, ...layer('zone-line'), ...layer('grown'))];
+}
+
+/** Where the edges of what was recognised may still lie: hatched. */
+function uncertain() {
+  if (state.step !== 'boxes') return [];
+  const side = 7 * unit;
+  const hatch = shape('pattern', { id: 'hatch', patternUnits: 'userSpaceOnUse', width: side, height: side, patternTransform: 'rotate(45)' },
+    shape('rect', { class: 'hatch-line', width: side / 2.4, height: side }));
+  const bands = state.scene.obstacles.flatMap((obstacle, index) => {
+    const margin = state.margins[index];
+    if (!(Math.max(...[margin].flat()) > 0)) return [];
+    const outer = isBox(obstacle) ? outline(obstacle.map((edge, i) => edge + (i < 2 ? -1 : 1) * margin[i])) : inflated(obstacle, margin, false);
+    const ring = (list) => `M${points(list.map(map.toPicture))}Z`;
+    return [shape('path', { class: 'uncertain', 'fill-rule': 'evenodd', d: ring(outer) + ring(outline(obstacle)) })];
+  });
+  return [hatch, ...bands];
+}
+
+/** Where tags were read: the arena's corners, the robot, the goal. */
+function tags() {
+  const { reading, detection, step, scene } = state;
+  if (step !== 'boxes' || !detection) return [];
+  const corners = reading.tags && !state.corners ? map.corners.map((at, index) => [at, `tag ${index}`]) : [];
+  const of = (id, place) => (id !== null && place ? [[map.toPicture(place), `tag ${id}`]] : []);
+  return [...corners, ...of(reading.robot_tag, detection.robot), ...of(reading.goal_tag, scene.goal)].flatMap(([[x, y], name]) => [
+    shape('rect', { class: 'tag-mark', x: x - 6 * unit, y: y - 6 * unit, width: 12 * unit, height: 12 * unit }),
+    shape('text', { class: 'tag', x, y: y + 17 * unit, 'font-size': 12 * unit }, name)]);
+}
+
+/** The tree of global paths. */
+function tree() {
+  if (state.step !== 'plan') return [];
+  return (state.plan?.tree ?? []).map(([x0, y0, x1, y1]) => line([[x0, y0], [x1, y1]], { class: 'branch' }));
+}
+
+/** Where the plan wants the robot at this moment of the drive. */
+function reference() {
+  const at = state.step === 'drive' && state.drive?.active ? state.drive.reference : null;
+  if (!at) return [];
+  return [polygon(circlePoints(addOrigin(at), state.scene.robot_radius || 0.05), { class: 'reference', id: 'reference' })];
 }
 
 function obstacles() {
@@ -135,8 +179,11 @@ function obstacles() {
     const access = editable
       ? { 'data-box': index, 'data-key': `box-${index}`, tabindex: 0, role: 'button', 'aria-pressed': picked, 'aria-label': `Obstacle ${index + 1}; arrow keys move it, Delete erases it` }
       : {};
+    const [low, high] = [bounds(obstacle).slice(0, 2), bounds(obstacle).slice(2)].map(map.toPicture);
+    const hasRoom = Math.min(Math.abs(high[0] - low[0]), Math.abs(high[1] - low[1])) > LEAST_NAMED * unit;
+    const isNamed = blocking.includes(index) || (editable && (picked || hasRoom));
     return shape('g', access, polygon(floor, { class: 'halo' }), polygon(floor, { class: kind, 'data-obstacle': index }),
-      editable || blocking.includes(index) ? shape('text', { class: 'tag', x, y, 'font-size': 15 * unit }, `${index + 1}`) : null);
+      isNamed ? shape('text', { class: 'tag', x, y, 'font-size': 15 * unit }, `${index + 1}`) : null);
   });
 }
 

@@ -33,6 +33,8 @@ export const state = {
   planner: 'exact',
   cost: 'length',
   margin: null,
+  /** Whether the robot is to drive on when the last page is closed. */
+  unattended: false,
   /** The moment of the plan that is looked at, seconds; null for none. */
   preview: null,
   /** What the person is doing. */
@@ -51,7 +53,7 @@ const listeners = [];
 let due = false;
 
 /** Calls `listener` after a change, at most once a frame; with `on` only if what that gives has changed: what
- * stays as it is must not be made anew under the pointer. */
+ * stays as it is must not be made again under the pointer. */
 export function onChange(listener, on = null) {
   let last = null;
   listeners.push(() => {

@@ -78,7 +78,7 @@ find('matrix').addEventListener('pointerover', (event) => light(cellOf(event)));
 find('matrix').addEventListener('pointerleave', () => light(null));
 find('matrix').addEventListener('focusin', (event) => light(cellOf(event)));
 find('matrix').addEventListener('focusout', () => light(null));
-// A pointer that rests is over another element whenever the stage is drawn anew, and means nothing by it.
+// A pointer that rests is over another element whenever the stage is drawn again, and means nothing by it.
 let pointer = '';
 find('view').addEventListener('pointermove', (event) => {
   const place = `${event.clientX},${event.clientY}`;

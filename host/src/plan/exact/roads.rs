@@ -25,7 +25,7 @@ use std::collections::BinaryHeap;
 /// The number of the start among the corners.
 const START: u32 = u32::MAX;
 
-/// Lines to keep per corner, on average; more are forgotten and drawn anew when needed.
+/// Lines to keep per corner, on average; more are forgotten and drawn again when needed.
 const LINES_PER_CORNER: usize = 24;
 
 /// Lines that may be kept in any case.

@@ -17,6 +17,7 @@
 mod march;
 mod membership;
 mod risk;
+mod soft;
 mod tighten;
 mod weights;
 

@@ -11,6 +11,7 @@
 
 use super::shadow::{DEPTH_TOLERANCE, Shadow};
 use crate::geometry::{Arena, Point};
+use crate::vision::least_squares::geman_mcclure;
 use nalgebra::{DMatrix, DVector};
 
 /// A colour as brightness and two chroma axes, natural logarithms.
@@ -170,8 +171,7 @@ impl FloorModel {
 
     /// How far a point is from the nearest side of the floor, metres.
     pub(crate) fn inside(&self, point: Point) -> f64 {
-        let Arena { width, height } = self.arena;
-        point.x.min(point.y).min(width - point.x).min(height - point.y)
+        self.arena.depth(point)
     }
 
     /// How a residual differs from full shadow with an offset, in standard deviations.
@@ -234,7 +234,7 @@ impl FloorModel {
         for &(point, seen) in samples {
             let residual = self.residual(point, seen);
             let distance = self.difference_of(residual).lit;
-            let weight = f64::from((1.0 + (distance / width).powi(2)).powi(-2));
+            let weight = geman_mcclure(f64::from(distance / width));
             let monomials = self.monomials(point);
             let weighted = monomials.map(|monomial| weight * monomial);
             for (i, (row, factor)) in products.iter_mut().zip(weighted).take(terms).enumerate() {

@@ -1,10 +1,10 @@
 //! The plan view judged cell by cell: how far is each from the floor's colour?
 //!
-//! Everything after this works on it: the robot is sought in it, obstacles are what differs.
+//! Everything after this works on it: the robot is searched for in it, obstacles are what differs.
 
 use super::floor::{Difference, Feature, FloorModel, feature, sample_step};
-use super::shadow::{self, Residuals, Shadow};
-use crate::geometry::{Arena, Point};
+use super::shadow::{self, Readings, Residuals, Shadow};
+use crate::geometry::{Arena, Point, Rect};
 use crate::shape::Shape;
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, Raster};
@@ -18,12 +18,17 @@ const MARGIN_SHARE: f64 = 0.12;
 const VIEW_MARGIN: f64 = 0.05;
 /// To find the robot a floor model of every so many-th sample is good enough.
 const ROUGH_FLOOR: usize = 3;
-/// Shadow and highlights are sought with about this many cells along the longer side.
+/// Shadow and highlights are searched for with about this many cells along the longer side.
 const COARSE_CELLS: f64 = 220.0;
 /// A colour within this many standard deviations of the floor's is surely floor.
 pub(crate) const SURE: f32 = 2.5;
 /// A colour this many standard deviations off the floor's is not floor.
 pub(crate) const FOREIGN: f32 = 6.0;
+
+/// Readings of shadow of which one is right on most floors. An even floor shows dark sides and tops of boxes as
+/// plainly as shadow, so that there more are worth a look.
+const USUAL_READINGS: Readings = Readings { most: 2, least_score: 0.3 };
+const EVEN_READINGS: Readings = Readings { most: 3, least_score: 0.15 };
 
 /// Cells this near to a place that is left out are blurred with it.
 const LEFT_OUT_BLUR: f64 = 2.0;
@@ -50,15 +55,47 @@ struct Bright {
     cells: Raster<bool>,
 }
 
+impl Bright {
+    fn of(coarse: Coarse, floor: &FloorModel) -> Self {
+        let cells = shadow::highlights(floor, &coarse.view, SURE);
+        Self { coarse, cells }
+    }
+}
+
 impl Look {
     /// Looks at the arena through a map; `None` if no floor colour can be learnt.
     pub(crate) fn at(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
+        Self::with(photo, map, arena, USUAL_READINGS)
+    }
+
+    /// Looks at a photo as it would be over an even floor.
+    pub(crate) fn at_even_floor(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<Self> {
+        Self::with(photo, map, arena, EVEN_READINGS)
+    }
+
+    fn with(photo: &Photo, map: &PlanMap, arena: Arena, readings: Readings) -> Option<Self> {
         let mut look = Self::of(photo, map, arena, f64::INFINITY, 1)?;
         let coarse = Coarse::of(&look.view, &look.features, &look.floor);
-        look.shadows = shadow::find(&look.floor, &coarse.view);
+        look.shadows = shadow::find(&look.floor, &coarse.view, readings);
         look.floor.shadow = look.shadows.first().copied();
-        let cells = shadow::highlights(&look.floor, &coarse.view, SURE);
-        Some(Self { bright: Some(Bright { coarse, cells }), ..look })
+        look.bright = Some(Bright::of(coarse, &look.floor));
+        Some(look)
+    }
+
+    /// Looks at a window of the arena alone, whose floor is as an earlier look has found it.
+    pub(crate) fn within(
+        photo: &Photo,
+        map: &PlanMap,
+        floor: &FloorModel,
+        [frame, view]: [PlanFrame; 2],
+        window: Rect,
+    ) -> Self {
+        let (frame, view) = (frame.within(window), view.within(window));
+        let features = view_of(photo, map, &view, feature);
+        let floor = floor.clone();
+        let bright = Some(Bright::of(Coarse::of(&view, &features, &floor), &floor));
+        let shadows = floor.shadow.into_iter().collect();
+        Self { frame, view, features, floor, shadows, bright, left_out: Vec::new() }
     }
 
     /// Looks no closer than `scale` cells a metre and not for shadow: enough to find the robot.
@@ -72,11 +109,10 @@ impl Look {
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let most = MOST_CELLS / arena.width.max(arena.height);
         let scale = map.scale_at(middle).min(most).min(scale);
-        let frame =
-            PlanFrame { arena, scale, margin: MARGIN_SHARE * arena.width.min(arena.height) };
+        let frame = PlanFrame::new(arena, scale, MARGIN_SHARE * arena.width.min(arena.height));
         // Whole cells are left out, so that those of the view are cells of the frame.
         let left_out = ((frame.margin - VIEW_MARGIN) * scale).floor().max(0.0) / scale;
-        let view = PlanFrame { margin: frame.margin - left_out, ..frame };
+        let view = PlanFrame::new(arena, scale, frame.margin - left_out);
         let features = view_of(photo, map, &view, feature);
         let floor = FloorModel::fit(arena, &samples(&view, &features, stride))?;
         Some(Self {
@@ -156,8 +192,15 @@ impl Coarse {
             .max(1.0) as usize;
         let (left, upper) = frame.cell(Point::new(0.0, frame.arena.height));
         let first = (left.ceil().max(0.0) as usize, upper.ceil().max(0.0) as usize);
-        let count = |length: f64| ((length * frame.scale) as usize / factor).max(1);
-        let (width, height) = (count(frame.arena.width), count(frame.arena.height));
+        let (columns, rows) = frame.size();
+        let (right, lower) = frame.cell(Point::new(frame.arena.width, 0.0));
+        // Of a part of the view the arena may end where that does.
+        let count = |length: f64, end: f64, first: usize, cells: usize| {
+            let left = (end + 0.5).clamp(0.0, cells as f64) as usize;
+            (((length * frame.scale) as usize).min(left.saturating_sub(first)) / factor).max(1)
+        };
+        let width = count(frame.arena.width, right + 1.0, first.0, columns);
+        let height = count(frame.arena.height, lower + 1.0, first.1, rows);
         let mut points = Vec::with_capacity(width * height);
         let residuals = Raster::from_fn(width, height, |x, y| {
             let (column, row) = (first.0 + x * factor, first.1 + y * factor);

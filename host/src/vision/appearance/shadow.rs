@@ -28,13 +28,19 @@ const BORDER_BLUR: f64 = 0.015;
 const LEAST_PATCH: f64 = 0.0012;
 /// Cells that tell the chroma.
 const LEAST_CELLS: usize = 12;
-/// So many readings of shadow are returned, whose depths differ by this natural logarithm and whose score is
-/// this share of the best.
-const MOST_SHADOWS: usize = 2;
+/// Readings of shadow differ in depth by this natural logarithm.
 const OTHER_DEPTH: f32 = 0.3;
-const MOST_BEHIND: f32 = 0.3;
 /// Neighbouring cells of a highlight differ by at most this (brightness, chroma, chroma).
 const SMOOTH: Feature = [0.035, 0.03, 0.03];
+
+/// Which readings of shadow are worth a closer look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Readings {
+    /// So many at most.
+    pub(crate) most: usize,
+    /// Those whose score is at least this share of the best.
+    pub(crate) least_score: f32,
+}
 
 /// How shadow differs from lit floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +75,7 @@ pub(crate) struct Residuals {
 }
 
 /// What shadow may look like, likeliest first; none if there is no shadow.
-pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Vec<Shadow> {
+pub(crate) fn find(floor: &FloorModel, view: &Residuals, readings: Readings) -> Vec<Shadow> {
     let lit: Vec<f32> = view.points.iter().map(|&point| floor.lit(point)[0]).collect();
     let mean = median(&mut lit.clone());
     let mut tried: Vec<(f32, Shadow)> = Vec::new();
@@ -97,10 +103,10 @@ pub(crate) fn find(floor: &FloorModel, view: &Residuals) -> Vec<Shadow> {
         }
     }
     tried.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let least = MOST_BEHIND * tried.first().map_or(0.0, |best| best.0);
+    let least = readings.least_score * tried.first().map_or(0.0, |best| best.0);
     let mut found: Vec<Shadow> = Vec::new();
     for (_, shadow) in tried.into_iter().filter(|(score, _)| *score >= least) {
-        if found.len() < MOST_SHADOWS && found.iter().all(|other| shadow.differs(other)) {
+        if found.len() < readings.most && found.iter().all(|other| shadow.differs(other)) {
             found.push(shadow);
         }
     }
@@ -205,6 +211,7 @@ mod tests {
 
     const ARENA: Arena = Arena { width: 2.0, height: 1.0 };
     const SCALE: f64 = 100.0;
+    const TWO: Readings = Readings { most: 2, least_score: 0.3 };
 
     /// An even floor on which `residual` tells what differs from it.
     fn view(residual: impl Fn(Point) -> Feature) -> (FloorModel, Residuals) {
@@ -231,7 +238,7 @@ mod tests {
                 _ => [0.0; 3],
             }
         });
-        let shadow = find(&floor, &view)[0];
+        let shadow = find(&floor, &view, TWO)[0];
         let offset = shadow.at([-0.5, 0.0, 0.0]);
         // The true depth lies within what counts as this shadow.
         assert!((offset[0] + 0.6).abs() < DEPTH_TOLERANCE * 0.6, "{shadow:?}");
@@ -241,7 +248,7 @@ mod tests {
     #[test]
     fn a_plain_floor_has_no_shadow() {
         let (floor, view) = view(|_| [0.0; 3]);
-        assert_eq!(find(&floor, &view), []);
+        assert_eq!(find(&floor, &view, TWO), []);
     }
 
     #[test]
@@ -288,7 +295,8 @@ mod tests {
             };
             [depth, 0.0, 0.0]
         });
-        let mut depths: Vec<f32> = find(&floor, &view).iter().map(|one| one.offset[0]).collect();
+        let mut depths: Vec<f32> =
+            find(&floor, &view, TWO).iter().map(|one| one.offset[0]).collect();
         depths.sort_by(f32::total_cmp);
         let [deep, shallow] = depths[..] else { panic!("{depths:?}") };
         assert!((deep + 1.0).abs() < 0.2 && (shallow + 0.5).abs() < 0.1, "{depths:?}");

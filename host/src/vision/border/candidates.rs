@@ -11,7 +11,7 @@
 
 use super::light;
 use super::sides::{EndBy, Sides, learn_floor};
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Arena, PerSide, Point, Side};
 use crate::vision::appearance::FloorModel;
 use crate::vision::camera::border_fit::{self, Fit, Search, Terms};
 use crate::vision::camera::{PlanMap, Viewpoint};
@@ -55,13 +55,13 @@ struct Guide {
     /// The light's change from inside to outside on each side, if it is known.
     change: Option<Changes>,
     /// The side that does not count.
-    without: Option<usize>,
+    without: Option<Side>,
     /// Whether the map is one that a camera may have.
     camera: bool,
 }
 
 /// The change of linear light from inside to outside on each side.
-type Changes = [[f32; 3]; 4];
+type Changes = PerSide<[f32; 3]>;
 
 impl Guide {
     fn by(change: Changes) -> Self {
@@ -81,7 +81,7 @@ pub(crate) struct Border {
     /// The change of linear light from inside to outside on each side.
     change: Changes,
     /// By what the floor's end was told on each side.
-    by: [EndBy; 4],
+    by: PerSide<EndBy>,
 }
 
 impl Border {
@@ -97,30 +97,30 @@ impl Border {
         let Some(fine) = refine(photo, arena, &map, &reaches, Guide::by(self.change)) else {
             return Some(Self { map, residual: factor * self.residual, ..self });
         };
-        let score = fine.shares.iter().sum::<f64>() / 4.0;
+        let score = fine.shares.values().iter().sum::<f64>() / 4.0;
         Some(Self { map: fine.map, score, residual: fine.residual, ..self })
     }
 
-    /// The border with one side sought anew where a camera that saw the others would see it, if that fits
+    /// The border with one side searched again where a camera that saw the others would see it, if that fits
     /// clearly better to a camera.
     fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
         let before = Viewpoint::misfit(photo, &self.map);
         let floor = learn_floor(photo, &self.map, arena)?;
         let reaches = PREDICTED_REACH.map(|reach| reach * zoom(photo));
-        let sought_anew = |side: usize| {
+        let sought_anew = |side: Side| {
             let guide = Guide { without: Some(side), camera: true, ..Guide::by(self.change) };
             let predicted = refine(photo, arena, &self.map, &reaches, guide)?;
             settle(photo, arena, predicted.map, &floor, (self.by, true))
         };
         let misfit = |border: &Self| Viewpoint::misfit(photo, &border.map);
         let value = |border: &Self| border.score - MISFIT_WEIGHT * misfit(border);
-        let found = (0..4).filter_map(sought_anew);
+        let found = Side::ALL.into_iter().filter_map(sought_anew);
         let better = found.filter(|border| misfit(border) + CLEAR_GAIN < before);
         better.max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    fn of(fit: Fit, change: Changes, by: [EndBy; 4]) -> Self {
-        let score = fit.shares.iter().sum::<f64>() / 4.0;
+    fn of(fit: Fit, change: Changes, by: PerSide<EndBy>) -> Self {
+        let score = fit.shares.values().iter().sum::<f64>() / 4.0;
         Self { map: fit.map, score, residual: fit.residual, change, by }
     }
 
@@ -176,23 +176,24 @@ pub(crate) fn lined(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Opti
     let floor = learn_floor(photo, &fit.map, arena)?;
     let up_to =
         Sides::measure(photo, &fit.map, arena, &floor).floor_inside(INSIDE.map(|d| d * zoom));
-    let whole = fit.shares.iter().all(|&share| share >= LEAST_SHARE) && up_to == [true; 4];
-    whole.then(|| Border::of(fit, change, [EndBy::Unlit; 4]))
+    let whole = fit.shares.values().iter().all(|&share| share >= LEAST_SHARE)
+        && up_to == PerSide::all(true);
+    whole.then(|| Border::of(fit, change, PerSide::all(EndBy::Unlit)))
 }
 
 /// By what the floor's end may be told on the four sides: all alike, and what fits a camera best.
 ///
 /// A wall's shadow on the floor and grey ground around a white sheet look alike on one side; four sides make a
 /// rectangle of the stated size in one way only.
-fn choices(photo: &Photo, arena: Arena, map: &PlanMap, sides: &Sides) -> Vec<[EndBy; 4]> {
-    let alike = [[EndBy::NoShadow; 4], [EndBy::Unlit; 4]];
+fn choices(photo: &Photo, arena: Arena, map: &PlanMap, sides: &Sides) -> Vec<PerSide<EndBy>> {
+    let alike = [PerSide::all(EndBy::NoShadow), PerSide::all(EndBy::Unlit)];
     let [Some(shadow), Some(unlit)] = alike.map(|by| sides.ends(by)) else {
         return alike.to_vec();
     };
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
     let apart =
-        |side: usize| (shadow[side] - unlit[side]).abs() * scale > COLOUR_SHIFT * zoom(photo);
-    let differing: Vec<usize> = (0..4).filter(|&side| apart(side)).collect();
+        |side: Side| (shadow[side] - unlit[side]).abs() * scale > COLOUR_SHIFT * zoom(photo);
+    let differing: Vec<Side> = Side::ALL.into_iter().filter(|&side| apart(side)).collect();
     let choices = (0..1u32 << differing.len()).map(|chosen| {
         let mut by = alike[0];
         for (_, &side) in differing.iter().enumerate().filter(|(bit, _)| chosen >> bit & 1 == 1) {
@@ -200,7 +201,7 @@ fn choices(photo: &Photo, arena: Arena, map: &PlanMap, sides: &Sides) -> Vec<[En
         }
         by
     });
-    let misfit = |by: &[EndBy; 4]| {
+    let misfit = |by: &PerSide<EndBy>| {
         let moved = sides.ends(*by).and_then(|ends| moved(photo, arena, map, ends));
         moved.map_or(f64::INFINITY, |map| Viewpoint::misfit(photo, &map))
     };
@@ -219,7 +220,7 @@ fn settle(
     arena: Arena,
     start: PlanMap,
     floor: &FloorModel,
-    (by, camera): ([EndBy; 4], bool),
+    (by, camera): (PerSide<EndBy>, bool),
 ) -> Option<Border> {
     let zoom = zoom(photo);
     let (mut map, mut last) = (start, None);
@@ -254,8 +255,8 @@ fn farthest(a: &PlanMap, b: &PlanMap, arena: Arena) -> f64 {
 }
 
 /// The map whose sides lie where `map` has the distances `inward` from its sides, metres.
-fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: [f64; 4]) -> Option<PlanMap> {
-    let [lower, right, upper, left] = inward;
+fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: PerSide<f64>) -> Option<PlanMap> {
+    let [lower, right, upper, left] = *inward.values();
     let (right, upper) = (arena.width - right, arena.height - upper);
     let corners = [(left, lower), (right, lower), (right, upper), (left, upper)];
     PlanMap::from_seen_corners(
@@ -294,7 +295,7 @@ fn refine(
         }
         let Some(fit) = last else { continue };
         let better = best.as_ref().is_none_or(|best| {
-            let gain = |fit: &Fit| fit.residual / fit.shares.iter().sum::<f64>().max(1e-6);
+            let gain = |fit: &Fit| fit.residual / fit.shares.values().iter().sum::<f64>().max(1e-6);
             gain(&fit) < LENS_GAIN * gain(best)
         });
         if better {
@@ -304,7 +305,7 @@ fn refine(
     best
 }
 
-/// Whether a fitted map is still the candidate's: its corners lie where steps were sought, its lens is one.
+/// Whether a fitted map is still the candidate's: its corners lie where steps were searched for, its lens is one.
 fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> bool {
     let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
     farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&fitted.radial())
@@ -325,7 +326,7 @@ fn by_colour(
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
     let least = COLOUR_SHIFT * zoom(photo) / scale;
     let shifts = sides.hue_ends().map(|end| end.filter(|shift| shift.abs() > least).unwrap_or(0.0));
-    if shifts == [0.0; 4] {
+    if shifts == PerSide::all(0.0) {
         return None;
     }
     let better = moved(photo, arena, map, shifts)?;
@@ -334,7 +335,7 @@ fn by_colour(
         return Some((better, sides.changes(shifts)));
     }
     // The top of a wall of one height all around is as good a rectangle as its foot: the inner one counts.
-    if shifts.iter().any(|&shift| shift <= 0.0) {
+    if shifts.values().iter().any(|&shift| shift <= 0.0) {
         return None;
     }
     let zoom = zoom(photo);

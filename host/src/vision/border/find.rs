@@ -1,13 +1,14 @@
-//! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal; or
-//! taking it from corners that the user gave.
+//! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal.
 
 use super::candidates::{self, Border};
 use super::lines::EdgeMap;
 use super::nested::is_drawn_inside;
+use super::origin::{PictureCorner, lowest_left};
 use super::quads::{self, Quad};
-use crate::geometry::Arena;
+use super::seen::SeenBorder;
+use crate::geometry::{Arena, Side};
+use crate::vision::camera::Viewpoint;
 use crate::vision::camera::border_fit::side_point;
-use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::error::VisionError;
 use crate::vision::image::Photo;
 
@@ -21,8 +22,6 @@ const MOST_SCORE: f64 = 1.0 + 1e-9;
 const SURE_SCORE: f64 = 0.93;
 /// Beside each side so much of the picture's longer side is seen: else the picture was cut there.
 const LEAST_BESIDE: f64 = 0.006;
-/// The names of the sides 0..3.
-const SIDES: [&str; 4] = ["lower", "right", "upper", "left"];
 /// How much a candidate's edges and size count beside the share of its profiles.
 const RANK_WEIGHT: f64 = 1.2;
 /// A rectangle around another counts if it scores no less than that by more than this.
@@ -32,17 +31,22 @@ const CLEAR_SCORE: f64 = 0.78;
 /// The misfit of a camera that no true border reaches, squared standard deviations.
 const MOST_MISFIT: f64 = 10.0;
 
-/// Finds the arena's border in a photo, of which `small` is the overview.
+/// Finds the arena's border in a photo, of which `small` is the overview; with `origin` at that corner of the picture.
 ///
 /// # Errors
-/// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`] or
-/// [`VisionError::OutOfView`], with what was measured.
-pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border, VisionError> {
+/// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`], [`VisionError::Origin`],
+/// [`VisionError::OutOfView`] or [`VisionError::AtTheEdge`], with what was measured.
+pub(crate) fn find(
+    photo: &Photo,
+    small: &Photo,
+    arena: Arena,
+    origin: Option<PictureCorner>,
+) -> Result<Border, VisionError> {
     let edges = EdgeMap::of(small);
     if edges.contrast < LEAST_CONTRAST {
         return Err(VisionError::NoContrast { measured: edges.contrast, needed: LEAST_CONTRAST });
     }
-    let candidates = quads::candidates(small, &edges, arena);
+    let candidates = quads::candidates(small, &edges, arena, origin);
     let mut found = Found::default();
     for quad in &candidates.fitting {
         if found.is_before(quad) {
@@ -56,7 +60,10 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
     let refused = |ratio: Option<f64>| VisionError::OddBorder { arena, ratio };
     let odd = |quad: &Quad| odd_ratio(small, arena, quad);
     let Some(best) = found.best else {
-        let none = VisionError::NoBorder { arena, measured: found.measured, needed: LEAST_SCORE };
+        let likeliest = found.likeliest.or(candidates.all().next().map(|quad| quad.corners));
+        let seen = likeliest.and_then(|corners| SeenBorder::of(small, arena, corners));
+        let none =
+            VisionError::NoBorder { arena, measured: found.measured, needed: LEAST_SCORE, seen };
         let ratio = candidates.all().find_map(odd);
         return Err(if found.is_odd || ratio.is_some() { refused(ratio) } else { none });
     };
@@ -68,7 +75,12 @@ pub(crate) fn find(photo: &Photo, small: &Photo, arena: Arena) -> Result<Border,
     }
     match best.border.enlarged(photo, arena, photo.overview_factor()) {
         Some(border) if Viewpoint::misfit_as_stated(photo, &border.map) <= MOST_MISFIT => {
-            in_view(photo, arena, border)
+            let corners = border.map.seen_corners(arena);
+            let first = lowest_left(corners);
+            match origin.filter(|origin| !(first + origin.index()).is_multiple_of(4)) {
+                Some(origin) => Err(VisionError::Origin { origin, arena }),
+                None => in_view(photo, arena, border),
+            }
         }
         Some(border) => Err(refused(Viewpoint::side_ratio(photo, &border.map))),
         None => Err(refused(None)),
@@ -81,6 +93,8 @@ struct Found {
     best: Option<Ranked>,
     /// The best score of any.
     measured: f64,
+    /// The corners of the candidate with that score.
+    likeliest: Option<[[f64; 2]; 4]>,
     /// Whether one that no camera sees of the arena was seen as clearly as a border.
     is_odd: bool,
     looked_at: Vec<[[f64; 2]; 4]>,
@@ -102,7 +116,10 @@ impl Found {
     fn look(&mut self, small: &Photo, arena: Arena, quad: &Quad) {
         self.looked_at.push(quad.corners);
         let Some(border) = candidates::find(small, arena, quad.corners) else { return };
-        self.measured = self.measured.max(border.score);
+        if border.score > self.measured {
+            self.measured = border.score;
+            self.likeliest = Some(border.map.seen_corners(arena));
+        }
         if border.score < LEAST_SCORE {
             return;
         }
@@ -155,13 +172,13 @@ fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, Vision
         return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
     }
     let beside = LEAST_BESIDE * photo.width().max(photo.height()) as f64;
-    for (side, name) in SIDES.into_iter().enumerate() {
+    for side in Side::ALL {
         let [middle, inner] =
             [0.0, 1e-3].map(|inward| border.map.to_photo(side_point(arena, side, 0.5, inward)));
         let length = (middle[0] - inner[0]).hypot(middle[1] - inner[1]).max(1e-9);
         let outside = [0, 1].map(|k| middle[k] + beside * (middle[k] - inner[k]) / length);
         if !photo.holds(outside) {
-            return Err(VisionError::AtTheEdge { side: name });
+            return Err(VisionError::AtTheEdge { side });
         }
     }
     Ok(border)
@@ -177,26 +194,6 @@ pub(crate) fn check_arena(arena: Arena) -> Result<(), VisionError> {
     Ok(())
 }
 
-/// The map of corners that the user gave.
-pub(crate) fn given(
-    photo: &Photo,
-    arena: Arena,
-    corners: [[f64; 2]; 4],
-) -> Result<PlanMap, VisionError> {
-    let turn = |i: usize| {
-        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-    };
-    // Counter-clockwise on the floor is clockwise with rows running down, hence negative.
-    if !(0..4).all(|i| turn(i) < 0.0) {
-        return Err(VisionError::Corners);
-    }
-    if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
-        return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
-    }
-    PlanMap::from_seen_corners(photo, arena, corners, 0.0).ok_or(VisionError::Corners)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,9 +203,12 @@ mod tests {
     #[test]
     fn grey_and_borderless_pictures_are_refused_for_their_reason() {
         let even = |code| Photo::from_rgb(160, 120, vec![[code; 3]; 160 * 120]).unwrap();
-        assert!(matches!(find(&even(128), &even(128), ARENA), Err(VisionError::NoContrast { .. })));
+        assert!(matches!(
+            find(&even(128), &even(128), ARENA, None),
+            Err(VisionError::NoContrast { .. })
+        ));
         let halves = (0..160 * 120).map(|i| if i % 160 < 80 { [200; 3] } else { [40; 3] });
         let halves = Photo::from_rgb(160, 120, halves.collect()).unwrap();
-        assert!(matches!(find(&halves, &halves, ARENA), Err(VisionError::NoBorder { .. })));
+        assert!(matches!(find(&halves, &halves, ARENA, None), Err(VisionError::NoBorder { .. })));
     }
 }

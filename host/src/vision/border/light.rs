@@ -3,7 +3,7 @@
 //! Medians over many places of a side, so that boxes on it do not count. Lengths are pixels at a width of 640,
 //! `zoom` times as many in wider pictures; light is linear.
 
-use crate::geometry::Arena;
+use crate::geometry::{Arena, PerSide, Side};
 use crate::vision::appearance::median;
 use crate::vision::camera::PlanMap;
 use crate::vision::camera::border_fit::{self, along, side_point};
@@ -11,7 +11,7 @@ use crate::vision::image::Photo;
 
 /// Places on a side where the light is compared.
 const PLACES: usize = 40;
-/// Lines along which edges in company of the border are sought: their distance and how far to both sides of each
+/// Lines along which edges in company of the border are searched for: their distance and how far to both sides of each
 /// light is compared, pixels at a width of 640.
 const SCAN_STEP: f64 = 0.5;
 const SCAN_BESIDE: f64 = 1.5;
@@ -29,9 +29,9 @@ const SCAN_AT: i64 = 4;
 ///
 /// Blur spreads a lone edge evenly to both its sides. Where a wall's shadow, foot and top follow each other within
 /// a few pixels, the change of light is uneven about the greatest; its excess, as a share of that, is returned.
-pub(crate) fn company(photo: &Photo, map: &PlanMap, arena: Arena, zoom: f64) -> [f64; 4] {
+pub(crate) fn company(photo: &Photo, map: &PlanMap, arena: Arena, zoom: f64) -> PerSide<f64> {
     let span = SCAN_PEAK + *SCAN_COMPANY.end();
-    [0, 1, 2, 3].map(|side| {
+    PerSide::from_fn(|side| {
         let changes = scan(photo, map, arena, side, (span, zoom));
         let at = |places: i64| changes[(places + span) as usize];
         // A sharp edge makes a plateau, whose middle counts.
@@ -46,8 +46,29 @@ pub(crate) fn company(photo: &Photo, map: &PlanMap, arena: Arena, zoom: f64) -> 
 }
 
 /// The change of light from inside to outside of each side, in the median.
-pub(crate) fn changes(photo: &Photo, map: &PlanMap, arena: Arena, beside: f64) -> [[f32; 3]; 4] {
-    [0, 1, 2, 3].map(|side| change(photo, map, arena, side, (0.0, beside)))
+pub(crate) fn changes(
+    photo: &Photo,
+    map: &PlanMap,
+    arena: Arena,
+    beside: f64,
+) -> PerSide<[f32; 3]> {
+    PerSide::from_fn(|side| change(photo, map, arena, side, (0.0, beside)))
+}
+
+/// How bright the ground `beside` each side is as a share of the floor as far inside, in the median over the side.
+pub(crate) fn ground(photo: &Photo, map: &PlanMap, arena: Arena, beside: f64) -> PerSide<f64> {
+    PerSide::from_fn(|side| {
+        let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
+        let brightness = |inward: f64| {
+            let place = |place: usize| {
+                let along = along(place * border_fit::PLACES / PLACES);
+                let point = side_point(arena, side, along, inward / scale);
+                photo.light(map.to_photo(point)).iter().sum::<f32>()
+            };
+            f64::from(median(&mut (0..PLACES).map(place).collect::<Vec<_>>()))
+        };
+        brightness(-beside) / brightness(beside).max(f64::MIN_POSITIVE)
+    })
 }
 
 /// The change of light across a line `inward` of a side, from `beside` it to as far beyond, pixels; in the
@@ -56,7 +77,7 @@ fn change(
     photo: &Photo,
     map: &PlanMap,
     arena: Arena,
-    side: usize,
+    side: Side,
     (inward, beside): (f64, f64),
 ) -> [f32; 3] {
     let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
@@ -74,9 +95,9 @@ fn change(
 }
 
 /// For each side the greatest change of light at it, as a share of the greatest near it.
-pub(crate) fn shown(photo: &Photo, map: &PlanMap, arena: Arena) -> [f64; 4] {
+pub(crate) fn shown(photo: &Photo, map: &PlanMap, arena: Arena) -> PerSide<f64> {
     let zoom = (photo.width() as f64 / 640.0).max(1.0);
-    [0, 1, 2, 3].map(|side| {
+    PerSide::from_fn(|side| {
         let changes = scan(photo, map, arena, side, (SCAN_AROUND, zoom));
         let greatest = |changes: &[f32]| changes.iter().copied().fold(0.0, f32::max);
         let at = SCAN_AROUND - SCAN_AT..=SCAN_AROUND + SCAN_AT;
@@ -90,7 +111,7 @@ fn scan(
     photo: &Photo,
     map: &PlanMap,
     arena: Arena,
-    side: usize,
+    side: Side,
     (span, zoom): (i64, f64),
 ) -> Vec<f32> {
     let change = |line: i64| {
@@ -132,15 +153,24 @@ mod tests {
     #[test]
     fn the_border_is_seen_where_it_is_and_not_beside_it() {
         let photo = drawn(0);
-        assert!(shown(&photo, &map(&photo, 0.0), ARENA).iter().all(|&share| share > 0.95));
+        assert!(shown(&photo, &map(&photo, 0.0), ARENA).values().iter().all(|&share| share > 0.95));
         let beside = shown(&photo, &map(&photo, 6.0), ARENA);
-        assert!(beside.iter().all(|&share| share < 0.2), "{beside:?}");
+        assert!(beside.values().iter().all(|&share| share < 0.2), "{beside:?}");
+    }
+
+    #[test]
+    fn the_ground_is_compared_with_the_floor() {
+        let photo = drawn(0);
+        // sRGB 40 and 220 in linear light: 0.0212 and 0.7157.
+        for share in *ground(&photo, &map(&photo, 0.0), ARENA, 5.0).values() {
+            assert!((share - 0.0212 / 0.7157).abs() < 1e-3, "{share}");
+        }
     }
 
     #[test]
     fn only_the_side_with_a_shadow_has_company() {
         let photo = drawn(4);
-        let [lower, right, upper, left] = company(&photo, &map(&photo, 0.0), ARENA, 1.0);
+        let [lower, right, upper, left] = *company(&photo, &map(&photo, 0.0), ARENA, 1.0).values();
         assert!(left > 0.2 && lower.max(right).max(upper) < 0.05, "{left} {lower} {right} {upper}");
     }
 }

@@ -1,10 +1,10 @@
 //! Long straight edges in the photo, by a Hough transform: what a border may be made of.
 //!
-//! Lines are sought in two directions, nearer to the horizontal and nearer to the vertical, each up to 60°
+//! Lines are searched for in two directions, nearer to the horizontal and nearer to the vertical, each up to 60°
 //! off: an arena may lie turned by any angle, and perspective spreads its sides. A line near 45° belongs to both. A line is
 //! `v = offset + slope · (u − u0)`, u along the direction and v across it, pixels, u0 the middle of u.
 
-use crate::vision::image::{Photo, Raster};
+use crate::vision::image::{Photo, Raster, magnitude, sobel};
 
 /// Slopes reach from −1.7 to 1.7 (60°).
 const SLOPE_LIMIT: f64 = 1.7;
@@ -146,7 +146,7 @@ fn magnitudes(photo: &Photo) -> Raster<u16> {
     let (width, height) = (photo.width(), photo.height());
     let codes = photo.pixels().as_flattened();
     let length = 3 * width;
-    let mut magnitude = Raster::filled(width, height, 0u16);
+    let mut edges = Raster::filled(width, height, 0u16);
     let mut of_channels = vec![0u16; length - 6];
     for y in 1..height - 1 {
         // Channels lie side by side: the same channel of the next pixel is three places on.
@@ -156,17 +156,14 @@ fn magnitudes(photo: &Photo) -> Raster<u16> {
         });
         for (index, out) in of_channels.iter_mut().enumerate() {
             let at = |row: [&[u8]; 3], part: usize| i16::from(row[part][index]);
-            let side = |part: usize| at(above, part) + 2 * at(here, part) + at(below, part);
-            let level = |row: [&[u8]; 3]| at(row, 0) + 2 * at(row, 1) + at(row, 2);
-            *out =
-                (side(2) - side(0)).unsigned_abs() + (level(below) - level(above)).unsigned_abs();
+            *out = magnitude(sobel(|x, y| at([above, here, below][y], x)));
         }
-        let row = &mut magnitude.cells_mut()[y * width + 1..(y + 1) * width - 1];
+        let row = &mut edges.cells_mut()[y * width + 1..(y + 1) * width - 1];
         for (cell, [red, green, blue]) in row.iter_mut().zip(of_channels.as_chunks().0) {
             *cell = *red.max(green).max(blue);
         }
     }
-    magnitude
+    edges
 }
 
 /// The Sobel gradient at an inner pixel of the channel where it is strongest.
@@ -175,13 +172,9 @@ fn gradient(photo: &Photo, x: usize, y: usize) -> [i16; 2] {
         let at = |i: usize, j: usize| {
             i16::from(photo.pixels()[(y + j - 1) * photo.width() + x + i - 1][channel])
         };
-        let side = |i: usize| at(i, 0) + 2 * at(i, 1) + at(i, 2);
-        let level = |j: usize| at(0, j) + 2 * at(1, j) + at(2, j);
-        [side(2) - side(0), level(2) - level(0)]
+        sobel(at)
     };
-    let stronger = |a: [i16; 2], b: [i16; 2]| {
-        if b[0].abs() + b[1].abs() > a[0].abs() + a[1].abs() { b } else { a }
-    };
+    let stronger = |a, b| if magnitude(b) > magnitude(a) { b } else { a };
     stronger(stronger(of_channel(0), of_channel(1)), of_channel(2))
 }
 

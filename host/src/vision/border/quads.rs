@@ -8,7 +8,9 @@
 //! candidates come in nests; one of each nest is enough, since [`super::candidates`] looks from there
 //! for the edge where the floor ends.
 
+use super::given::is_convex;
 use super::lines::{Direction, EdgeMap, Line};
+use super::origin::PictureCorner;
 use crate::geometry::Arena;
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
@@ -65,8 +67,13 @@ impl Candidates {
 }
 
 /// The candidates for an arena's border in a photo with such edges.
-pub(crate) fn candidates(photo: &Photo, edges: &EdgeMap, arena: Arena) -> Candidates {
-    let mut quads = quads(edges, (photo.width(), photo.height()), arena);
+pub(crate) fn candidates(
+    photo: &Photo,
+    edges: &EdgeMap,
+    arena: Arena,
+    origin: Option<PictureCorner>,
+) -> Candidates {
+    let mut quads = quads(edges, (photo.width(), photo.height()), (arena, origin));
     quads.sort_by(|a: &Quad, b: &Quad| b.rank.total_cmp(&a.rank));
     let mut nests = Candidates::default();
     for quad in quads.into_iter().take(MOST_HELD) {
@@ -95,7 +102,11 @@ fn add(nests: &mut Vec<Quad>, quad: Quad, most: usize) {
 }
 
 /// All quadrilaterals of lines that may be the arena.
-fn quads(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
+fn quads(
+    edges: &EdgeMap,
+    size: (usize, usize),
+    wanted: (Arena, Option<PictureCorner>),
+) -> Vec<Quad> {
     let rows = edges.lines(Direction::Horizontal);
     let columns = edges.lines(Direction::Vertical);
     let crossings: Vec<Vec<_>> =
@@ -108,7 +119,7 @@ fn quads(edges: &EdgeMap, size: (usize, usize), arena: Arena) -> Vec<Quad> {
             let corners = (below[left], below[right], above[right], above[left]);
             let (Some(a), Some(b), Some(c), Some(d)) = corners else { continue };
             let lines = [&rows[lower], &columns[right], &rows[upper], &columns[left]];
-            quads.extend(quad([a, b, c, d], lines, size, arena).into_iter().flatten());
+            quads.extend(quad([a, b, c, d], lines, size, wanted));
         }
     }
     quads
@@ -129,28 +140,35 @@ fn pairs(lines: &[Line], size: (usize, usize), length: usize) -> Vec<(usize, usi
     pairs
 }
 
-/// The quadrilateral of a lower, right, upper and left line with its corners, if it can be the arena: as it
-/// appears, and with the arena's width running up in the picture.
+/// The quadrilaterals of a lower, right, upper and left line with its corners that can be the arena: from the
+/// lower left or whichever corner is the origin, and from the next one, should the arena lie the other way.
 fn quad(
     corners: [[f64; 2]; 4],
     [lower, right, upper, left]: [&Line; 4],
     size: (usize, usize),
-    arena: Arena,
-) -> [Option<Quad>; 2] {
+    (arena, origin): (Arena, Option<PictureCorner>),
+) -> Vec<Quad> {
     let slack = OUTSIDE * size.0 as f64;
     let inside = |[x, y]: [f64; 2]| {
         x > -slack && y > -slack && x < size.0 as f64 + slack && y < size.1 as f64 + slack
     };
     if !corners.into_iter().all(inside) || !is_convex(corners) {
-        return [None; 2];
+        return Vec::new();
     }
     let side =
         |a: usize, b: usize| (corners[a][0] - corners[b][0]).hypot(corners[a][1] - corners[b][1]);
     let (across, up) = ((side(0, 1) + side(2, 3)) / 2.0, (side(1, 2) + side(3, 0)) / 2.0);
     let seen = (across / up.max(1.0)).ln();
     let stated = (arena.width / arena.height).ln();
-    if (seen.abs() - stated.abs()).abs() > ASPECT_TOLERANCE {
-        return [None; 2];
+    let fits = |origin: &PictureCorner| {
+        let stated = if origin.is_upwards() { -stated } else { stated };
+        (seen - stated).abs() < ASPECT_TOLERANCE
+    };
+    let first = origin.unwrap_or(PictureCorner::LowerLeft);
+    let origins = [(first, 0.0), (first.next(), TURNED_COST)];
+    let origins = origins.into_iter().filter(|(origin, _)| fits(origin));
+    if origins.clone().next().is_none() {
+        return Vec::new();
     }
     let shares = [
         lower.support(corners[0][0], corners[1][0]),
@@ -160,24 +178,16 @@ fn quad(
     ];
     let least = shares.into_iter().fold(1.0, f64::min);
     if least <= LEAST_SUPPORT {
-        return [None; 2];
+        return Vec::new();
     }
     let support = shares.iter().sum::<f64>() / 4.0;
     let rank = support + SIZE_WEIGHT * (across * up / (size.0 * size.1) as f64).sqrt();
-    let fits = |stated: f64| (seen - stated).abs() < ASPECT_TOLERANCE;
-    let [a, b, c, d] = corners;
-    [
-        fits(stated).then_some(Quad { corners, support, rank }),
-        fits(-stated).then_some(Quad { corners: [b, c, d, a], support, rank: rank - TURNED_COST }),
-    ]
-}
-
-/// Whether corners turn one way, counter-clockwise as the floor is seen.
-fn is_convex(corners: [[f64; 2]; 4]) -> bool {
-    (0..4).all(|i| {
-        let [a, b, c] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0
-    })
+    let from = |(origin, cost): (PictureCorner, f64)| {
+        let mut corners = corners;
+        corners.rotate_left(origin.index());
+        Quad { corners, support, rank: rank - cost }
+    };
+    origins.map(from).collect()
 }
 
 /// Where a nearly horizontal and a nearly vertical line meet, pixels.
@@ -214,7 +224,7 @@ mod tests {
     fn a_frame_is_one_nest() {
         let photo = framed();
         let arena = Arena { width: 1.5, height: 0.7 };
-        let quads = candidates(&photo, &EdgeMap::of(&photo), arena).fitting;
+        let quads = candidates(&photo, &EdgeMap::of(&photo), arena, None).fitting;
         assert_eq!(quads.len(), 1);
         let [x, y] = quads[0].corners[0];
         assert!((19.0..26.0).contains(&x) && (104.0..111.0).contains(&y), "{:?}", quads[0]);
@@ -224,6 +234,6 @@ mod tests {
     fn the_wrong_shape_is_no_candidate() {
         let photo = framed();
         let square = Arena { width: 1.0, height: 1.0 };
-        assert!(candidates(&photo, &EdgeMap::of(&photo), square).fitting.is_empty());
+        assert!(candidates(&photo, &EdgeMap::of(&photo), square, None).fitting.is_empty());
     }
 }

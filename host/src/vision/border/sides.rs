@@ -4,7 +4,7 @@
 //! Lines of samples run across each side from inside to outside; over the lines of a side, light is the
 //! median and "not floor" a share, so that boxes on the border do not count as long as half of it is seen.
 
-use crate::geometry::Arena;
+use crate::geometry::{Arena, PerSide, Side};
 use crate::vision::appearance::{Feature, FloorModel, feature, median};
 use crate::vision::camera::PlanMap;
 use crate::vision::camera::border_fit::{self, PLACES, side_point};
@@ -15,7 +15,7 @@ use crate::vision::plan_view::{PlanFrame, cell_light};
 const FLOOR_CELLS: f64 = 160.0;
 /// Of them so many at most.
 const FLOOR_SAMPLES: usize = 2000;
-/// How far inside and outside of the candidate's sides the floor's end is sought, share of the shorter side.
+/// How far inside and outside of the candidate's sides the floor's end is searched for, share of the shorter side.
 const SEARCH_SHARE: f64 = 0.1;
 /// Hue tells the floor's end if it changes by this much (the two chroma axes of a feature), within this
 /// many samples from the side; the light of an edge is mixed over so many samples.
@@ -51,17 +51,17 @@ pub(crate) struct Sides {
     /// Metres inward of the samples, from inside to outside.
     inward: Vec<f64>,
     /// For each side and sample: the share of places that are not floor, lit or in shadow.
-    foreign: [Vec<f64>; 4],
+    foreign: PerSide<Vec<f64>>,
     /// For each side and sample: the share of places that are not lit floor.
-    unlit: [Vec<f64>; 4],
+    unlit: PerSide<Vec<f64>>,
     /// For each side and sample: the median light.
-    light: [Vec<[f32; 3]>; 4],
+    light: PerSide<Vec<[f32; 3]>>,
 }
 
 impl Sides {
     /// Looks across the sides of a map with the floor's colour.
     pub(crate) fn measure(photo: &Photo, map: &PlanMap, arena: Arena, floor: &FloorModel) -> Self {
-        let scale = map.scale_at(side_point(arena, 0, 0.5, arena.height / 2.0)).max(1.0);
+        let scale = map.scale_at(side_point(arena, Side::Lower, 0.5, arena.height / 2.0)).max(1.0);
         let reach = SEARCH_SHARE * arena.width.min(arena.height);
         let pieces = (2.0 * reach * scale / SAMPLE_STEP / PIECE as f64).ceil().max(1.0) as usize;
         let inward = |index: usize| reach - index as f64 * SAMPLE_STEP / scale;
@@ -72,7 +72,7 @@ impl Sides {
             unlit: Default::default(),
             light: Default::default(),
         };
-        for side in 0..4 {
+        for side in Side::ALL {
             let (mut foreign, mut unlit) = (vec![0usize; count], vec![0usize; count]);
             let mut lights: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; count * SEEN]);
             for place in 0..SEEN {
@@ -112,36 +112,36 @@ impl Sides {
     }
 
     /// Where the floor ends on each side, metres inward of the map's sides, by what is taken for its end there.
-    pub(crate) fn ends(&self, by: [EndBy; 4]) -> Option<[f64; 4]> {
-        let mut ends = [0.0; 4];
-        for (side, end) in ends.iter_mut().enumerate() {
+    pub(crate) fn ends(&self, by: PerSide<EndBy>) -> Option<PerSide<f64>> {
+        let mut ends = PerSide::all(0.0);
+        for side in Side::ALL {
             let (foreign, unlit) = (&self.foreign[side], &self.unlit[side]);
             let index = match by[side] {
                 EndBy::NoShadow => lasting_rise(foreign).or_else(|| lasting_rise(unlit)),
                 EndBy::Unlit => lasting_rise(unlit),
             };
-            *end = self.inward[index?];
+            ends[side] = self.inward[index?];
         }
         Some(ends)
     }
 
     /// Whether most of what lies between two distances inside of each side, pixels, is lit floor.
-    pub(crate) fn floor_inside(&self, [from, to]: [f64; 2]) -> [bool; 4] {
+    pub(crate) fn floor_inside(&self, [from, to]: [f64; 2]) -> PerSide<bool> {
         let per_sample = |pixels: f64| (pixels / SAMPLE_STEP) as usize;
         let zero = self.inward.iter().position(|&depth| depth <= 0.0).unwrap_or(0);
         let range = zero.saturating_sub(per_sample(to))..zero.saturating_sub(per_sample(from));
-        [0, 1, 2, 3].map(|side| {
+        PerSide::from_fn(|side| {
             let shares = self.unlit[side].get(range.clone()).unwrap_or_default();
             shares.iter().sum::<f64>() < 0.5 * shares.len() as f64
         })
     }
 
     /// Where the hue changes on each side, metres inward, if it does clearly.
-    pub(crate) fn hue_ends(&self) -> [Option<f64>; 4] {
-        [0, 1, 2, 3].map(|side| self.hue_end(side))
+    pub(crate) fn hue_ends(&self) -> PerSide<Option<f64>> {
+        PerSide::from_fn(|side| self.hue_end(side))
     }
 
-    fn hue_end(&self, side: usize) -> Option<f64> {
+    fn hue_end(&self, side: Side) -> Option<f64> {
         let light = &self.light[side];
         let zero = self.inward.iter().position(|&depth| depth <= 0.0)?;
         let hue = |light: [f32; 3]| {
@@ -179,8 +179,8 @@ impl Sides {
     }
 
     /// The change of light across the floor's end on each side.
-    pub(crate) fn changes(&self, ends: [f64; 4]) -> [[f32; 3]; 4] {
-        [0, 1, 2, 3].map(|side| {
+    pub(crate) fn changes(&self, ends: PerSide<f64>) -> PerSide<[f32; 3]> {
+        PerSide::from_fn(|side| {
             let end = self.inward.iter().position(|&depth| depth <= ends[side]).unwrap_or(0);
             let at = |offset: i64| {
                 let index = (end as i64 + offset).clamp(0, self.inward.len() as i64 - 1) as usize;
@@ -218,8 +218,7 @@ fn between(
 
 /// The floor's colour inside a candidate.
 pub(crate) fn learn_floor(photo: &Photo, map: &PlanMap, arena: Arena) -> Option<FloorModel> {
-    let frame =
-        PlanFrame { arena, scale: FLOOR_CELLS / arena.width.max(arena.height), margin: 0.0 };
+    let frame = PlanFrame::new(arena, FLOOR_CELLS / arena.width.max(arena.height), 0.0);
     let light = cell_light(photo, map, &frame);
     let (width, height) = frame.size();
     let count = width * height;

@@ -1,6 +1,6 @@
 //! Borders as people have them, drawn: sheets on any ground, tape of any tone, turned and tilted, printed grids.
 
-use super::find;
+use super::{PictureCorner, find};
 use crate::geometry::{Arena, Point};
 use crate::vision::camera::PlanMap;
 use crate::vision::error::VisionError;
@@ -43,8 +43,8 @@ fn sheet(floor: f64, ground: f64) -> impl Fn(Point) -> f64 {
     }
 }
 
-fn sought(photo: &Photo, arena: Arena) -> Result<Corners, VisionError> {
-    find(photo, photo, arena).map(|border| border.map.seen_corners(arena))
+fn search(photo: &Photo, arena: Arena) -> Result<Corners, VisionError> {
+    find(photo, photo, arena, None).map(|border| border.map.seen_corners(arena))
 }
 
 /// How far the farthest corner is from where it was drawn; corner 0 may be any of them.
@@ -73,7 +73,7 @@ fn sheets_are_found_on_lighter_and_darker_ground() {
     for (floor, ground) in
         [(225.0, 135.0), (225.0, 205.0), (225.0, 213.0), (180.0, 220.0), (60.0, 150.0)]
     {
-        let found = sought(&drawn(UPRIGHT, sheet(floor, ground)), ARENA);
+        let found = search(&drawn(UPRIGHT, sheet(floor, ground)), ARENA);
         let found = found.unwrap_or_else(|error| panic!("{floor} on {ground}: {error}"));
         let error = error(found, UPRIGHT);
         assert!(error < CORNER_TOLERANCE, "{floor} on {ground}: {error} px");
@@ -88,7 +88,7 @@ fn a_tapes_inner_edge_is_the_border_whatever_its_tone() {
             d if d < 0.0 => tape,
             _ => 215.0,
         };
-        let error = error(sought(&drawn(UPRIGHT, colour), ARENA).unwrap(), UPRIGHT);
+        let error = error(search(&drawn(UPRIGHT, colour), ARENA).unwrap(), UPRIGHT);
         assert!(error < CORNER_TOLERANCE, "tape {tape}: {error} px");
     }
 }
@@ -97,7 +97,7 @@ fn a_tapes_inner_edge_is_the_border_whatever_its_tone() {
 fn a_sheet_is_found_turned_by_any_angle() {
     for degrees in [0.0, 20.0, 38.0, 45.0, 61.0, 90.0, 117.0] {
         let corners = turned(f64::to_radians(degrees), 0.72);
-        let found = sought(&drawn(corners, sheet(225.0, 140.0)), ARENA);
+        let found = search(&drawn(corners, sheet(225.0, 140.0)), ARENA);
         let found = found.unwrap_or_else(|error| panic!("{degrees} degrees: {error}"));
         let error = error(found, corners);
         assert!(error < CORNER_TOLERANCE, "{degrees} degrees: {error} px");
@@ -106,12 +106,34 @@ fn a_sheet_is_found_turned_by_any_angle() {
 
 #[test]
 fn the_corner_at_the_lower_left_is_the_origin() {
-    let found = sought(&drawn(UPRIGHT, sheet(225.0, 140.0)), ARENA).unwrap();
+    let found = search(&drawn(UPRIGHT, sheet(225.0, 140.0)), ARENA).unwrap();
     assert!((found[0][0] - 80.0).abs() < 1.0 && (found[0][1] - 420.0).abs() < 1.0, "{found:?}");
     // The width runs up in the picture: counter-clockwise from the lower right corner.
     let upwards = Arena { width: ARENA.height, height: ARENA.width };
-    let found = sought(&drawn(UPRIGHT, sheet(225.0, 140.0)), upwards).unwrap();
+    let found = search(&drawn(UPRIGHT, sheet(225.0, 140.0)), upwards).unwrap();
     assert!((found[0][0] - 560.0).abs() < 1.0 && (found[0][1] - 420.0).abs() < 1.0, "{found:?}");
+}
+
+#[test]
+fn the_origin_is_the_corner_of_the_picture_that_is_asked_for() {
+    for degrees in [0.0, -30.0, 38.0] {
+        let corners = turned(f64::to_radians(degrees), 0.8);
+        let photo = drawn(corners, sheet(225.0, 140.0));
+        for origin in PictureCorner::ALL {
+            let (width, height) = (ARENA.width, ARENA.height);
+            let upwards = Arena { width: height, height: width };
+            let fitting = if origin.is_upwards() { upwards } else { ARENA };
+            let border = find(&photo, &photo, fitting, Some(origin)).unwrap();
+            for (i, found) in border.map.seen_corners(fitting).into_iter().enumerate() {
+                let drawn = corners[(i + origin.index()) % 4];
+                let error = (found[0] - drawn[0]).hypot(found[1] - drawn[1]);
+                assert!(error < CORNER_TOLERANCE, "{degrees} degrees, {origin}: {error} px");
+            }
+            let other = if origin.is_upwards() { ARENA } else { upwards };
+            let error = find(&photo, &photo, other, Some(origin)).unwrap_err();
+            assert_eq!(error, VisionError::Origin { origin, arena: other });
+        }
+    }
 }
 
 /// White paper on dark ground, printed with lines every 0.2 m.
@@ -126,7 +148,7 @@ fn printed(p: Point) -> f64 {
 
 #[test]
 fn printed_lines_are_no_border_where_the_sheet_fits() {
-    let error = error(sought(&drawn(UPRIGHT, printed), ARENA).unwrap(), UPRIGHT);
+    let error = error(search(&drawn(UPRIGHT, printed), ARENA).unwrap(), UPRIGHT);
     // The sheet's last line lies along its edge.
     assert!(error < 3.0, "{error} px");
 }
@@ -135,7 +157,7 @@ fn printed_lines_are_no_border_where_the_sheet_fits() {
 fn where_printed_lines_fit_and_the_sheet_does_not_the_sheets_ratio_is_told() {
     // Six by four and a half of the printed squares, and the sheet has eight by six.
     for arena in [Arena { width: 1.6, height: 1.1 }, Arena { width: 1.4, height: 1.2 }] {
-        match sought(&drawn(UPRIGHT, printed), arena) {
+        match search(&drawn(UPRIGHT, printed), arena) {
             Err(VisionError::OddBorder { ratio: Some(ratio), .. }) => {
                 let seen = ratio * arena.width / arena.height;
                 assert!((seen - 4.0 / 3.0).abs() < 0.02, "{seen}");
@@ -148,6 +170,6 @@ fn where_printed_lines_fit_and_the_sheet_does_not_the_sheets_ratio_is_told() {
 #[test]
 fn an_arena_that_fills_the_picture_is_refused() {
     let rim = [[1.0, 478.0], [638.0, 478.0], [638.0, 2.0], [1.0, 2.0]];
-    let found = sought(&drawn(rim, sheet(225.0, 120.0)), ARENA);
+    let found = search(&drawn(rim, sheet(225.0, 120.0)), ARENA);
     assert!(found.is_err(), "{found:?}");
 }

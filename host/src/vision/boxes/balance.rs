@@ -64,24 +64,16 @@ impl Search<'_> {
 mod tests {
     use super::super::evidence::Evidence;
     use super::*;
-    use crate::geometry::{Arena, Point, Rect};
+    use crate::geometry::{Arena, Rect};
     use crate::vision::plan_view::PlanFrame;
 
     #[test]
     fn a_box_leaves_less_than_none_and_half_a_box_less_than_a_whole_one_explains() {
         let drawn = Rect::new(0.5, 0.3, 0.9, 0.6);
         let arena = Arena { width: 2.0, height: 1.0 };
-        let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
-        let (width, height) = frame.size();
-        let features = Raster::from_fn(width, height, |column, row| {
-            let point: Point = frame.point(column as f64, row as f64);
-            [if drawn.contains(point) { -1.0 } else { 0.0 }, 0.0, 0.0]
-        });
-        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
-        let weight = Raster::filled(width, height, 1.0);
-        let shade = Raster::filled(width, height, 0.0);
-        let spread = [0.02; 3];
-        let evidence = Evidence { frame, features, background, weight, shade, spread };
+        let frame = PlanFrame::new(arena, 100.0, 0.1);
+        let evidence =
+            Evidence::drawn(frame, |point| if drawn.contains(point) { -1.0 } else { 0.0 });
         let search = Search { evidence: &evidence, foot: None, lamp: None };
         let left = |rect: Rect| search.left_over(&[LeaningBox { base: rect, lean: 1.0 }]);
         // 0.4 × 0.3 m are 1200 cells; the charge is 8 times 0.001 m².

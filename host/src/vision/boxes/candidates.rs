@@ -35,7 +35,7 @@ impl Search<'_> {
             let Candidate { start, bounds, improved } = candidate;
             let (best, _) = improved.get_or_insert_with(|| {
                 let mut tried = *bounds;
-                let visit = |seen| tried = union(tried, self.touched(seen));
+                let visit = |seen| tried = tried.union(self.touched(seen));
                 (self.improve_seen(*start, cost, visit), tried)
             });
             *best
@@ -64,14 +64,10 @@ impl Search<'_> {
     fn touched(&self, seen: LeaningBox) -> Rect {
         let outline = seen.bounds(self.foot());
         let shadow = self.lamp.and_then(|lamp| Some(lamp.shadow(seen)?.bounds(lamp.foot)));
-        let Rect { x0, y0, x1, y1 } = shadow.map_or(outline, |shadow| union(outline, shadow));
+        let Rect { x0, y0, x1, y1 } = shadow.map_or(outline, |shadow| outline.union(shadow));
         let cell = 1.0 / self.evidence.frame.scale;
         Rect::new(x0 - cell, y0 - cell, x1 + cell, y1 + cell)
     }
-}
-
-fn union(a: Rect, b: Rect) -> Rect {
-    Rect::new(a.x0.min(b.x0), a.y0.min(b.y0), a.x1.max(b.x1), a.y1.max(b.y1))
 }
 
 fn overlap(a: Rect, b: Rect) -> bool {
@@ -86,21 +82,14 @@ mod tests {
     use crate::vision::PlanFrame;
 
     #[test]
-    fn candidates_that_are_kept_gain_what_they_would_if_looked_at_anew() {
+    fn candidates_that_are_kept_gain_what_they_would_if_looked_at_again() {
         let drawn =
             [(0.3, 0.3), (0.45, 0.5), (1.5, 0.6)].map(|(x, y)| Rect::new(x, y, x + 0.2, y + 0.2));
-        let frame =
-            PlanFrame { arena: Arena { width: 2.0, height: 1.0 }, scale: 100.0, margin: 0.1 };
-        let (width, height) = frame.size();
-        let features = Raster::from_fn(width, height, |column, row| {
-            let point = frame.point(column as f64, row as f64);
+        let frame = PlanFrame::new(Arena { width: 2.0, height: 1.0 }, 100.0, 0.1);
+        let evidence = Evidence::drawn(frame, |point| {
             let dark = drawn.iter().position(|rect| rect.contains(point));
-            [dark.map_or(0.0, |index| -1.0 - 0.2 * index as f32), 0.0, 0.0]
+            dark.map_or(0.0, |index| -1.0 - 0.2 * index as f32)
         });
-        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
-        let (weight, shade) =
-            (Raster::filled(width, height, 1.0), Raster::filled(width, height, 0.0));
-        let evidence = Evidence { frame, features, background, weight, shade, spread: [0.02; 3] };
         let search = Search { evidence: &evidence, foot: Some(Point::new(1.0, 0.5)), lamp: None };
         let starts = drawn.map(|base| LeaningBox { base, lean: 1.02 });
         let mut cost = search.unexplained();
@@ -108,9 +97,9 @@ mod tests {
             starts.iter().map(|&seen| search.candidate(seen, &cost)).collect();
         for _ in 0..drawn.len() {
             let best = search.best(&mut kept, &cost).unwrap();
-            let mut anew: Vec<Candidate> =
+            let mut all: Vec<Candidate> =
                 starts.iter().map(|&seen| search.candidate(seen, &cost)).collect();
-            let expected = search.best(&mut anew, &cost).unwrap();
+            let expected = search.best(&mut all, &cost).unwrap();
             assert_eq!((best.gain, best.seen), (expected.gain, expected.seen));
             search.explain(&mut cost, best.seen);
             search.renew(&mut kept, &cost, best.seen);

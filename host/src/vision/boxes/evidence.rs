@@ -4,10 +4,11 @@
 //! not). Beyond the arena's sides the background is the border: its colour at every distance from a
 //! side is the median along that side, so that a box that leans over the border is seen against it.
 
+use super::border_colours::BorderColours;
 use super::projection::LeaningBox;
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Point, Rect};
 use crate::vision::appearance::{
-    Difference, FOREIGN, Feature, FloorModel, Look, SURE, feature, median, samples,
+    Difference, FOREIGN, Feature, FloorModel, Look, SURE, feature, samples,
 };
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, Raster};
@@ -17,12 +18,10 @@ use crate::vision::robot::RobotTop;
 /// Cells per metre at most, and cells along the longer side at most.
 const COARSE_SCALE: f64 = 110.0;
 const COARSE_CELLS: f64 = 300.0;
-/// A border's colour varies by this much (brightness, chroma, chroma).
-const BORDER_SPREAD: Feature = [0.12, 0.06, 0.06];
 /// Blur beside lit floor is at most this deep, a natural logarithm.
 const DEEPEST: f32 = -1.5;
 /// Half shadow lies this close to lit floor and to full shadow, metres.
-const HALF_SHADOW: f64 = 0.03;
+pub(super) const HALF_SHADOW: f64 = 0.03;
 /// The steepest rim of a shadow that is wider: shares of its depth per metre.
 const SOFTNESS: f32 = 13.0;
 /// The step from pixel to pixel of the faintest box's edge if the picture is blurred.
@@ -34,8 +33,8 @@ const BORDER_BLUR: f64 = 1.2;
 /// Cells beyond the border say less, because what lies there is not known.
 const OUTSIDE_WEIGHT: f32 = 0.4;
 /// The shadows of the border and of the robot reach this far: metres, and radii of the robot.
-const BORDER_SHADOW: f64 = 0.08;
-const ROBOT_SHADOW: f64 = 2.5;
+pub(super) const BORDER_SHADOW: f64 = 0.08;
+pub(super) const ROBOT_SHADOW: f64 = 2.5;
 /// How much larger than the robot's top the disc is in which nothing counts.
 const ROBOT_RIM: f64 = 1.2;
 
@@ -51,6 +50,16 @@ pub(crate) struct Evidence {
     pub(crate) shade: Raster<f32>,
     /// The spread of the floor's colours in cells of this size.
     pub(crate) spread: Feature,
+    /// The colours beyond each side, by the distance from it in cells.
+    pub(crate) borders: BorderColours,
+}
+
+/// Cells of the coarse view and what is known of them before they are judged.
+struct Cells {
+    features: Raster<Feature>,
+    weight: Raster<f32>,
+    spread: Feature,
+    borders: BorderColours,
 }
 
 /// Cells per metre of the coarse plan view.
@@ -68,46 +77,57 @@ impl Evidence {
         robot: Option<RobotTop>,
         shadows: bool,
     ) -> Self {
-        let arena = look.frame.arena;
-        let scale = coarse_scale(look);
-        let frame = PlanFrame { scale, ..look.frame };
-        let features = plan_view(photo, map, &frame).map(feature);
-        let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
-            let point = frame.point(column as f64, row as f64);
-            let of_robot =
-                robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-            let seen = photo.holds(map.to_photo(point)) && !look.is_left_out(point, scale);
-            match outside(arena, point) {
-                _ if of_robot || !seen => 0.0,
-                Some(_) => OUTSIDE_WEIGHT,
-                None if inside(arena, point) * scale < BORDER_BLUR => 0.0,
-                None => 1.0,
-            }
-        });
+        let frame = coarse_frame(look);
+        let (features, weight) = cells(photo, map, look, &frame, robot);
         let spread = look.floor.spread_of(&samples(&frame, &features, 1));
-        Self::judged(frame, (features, weight, spread), look, robot, shadows)
+        let borders = BorderColours::of(&frame, &features);
+        let cells = Cells { features, weight, spread, borders };
+        Self::judged(frame, cells, look, robot, shadows)
+    }
+
+    /// The evidence of a window of a picture, where spread and border are as an earlier picture has told.
+    pub(crate) fn within(
+        photo: &Photo,
+        map: &PlanMap,
+        look: &Look,
+        robot: Option<RobotTop>,
+        (frame, window): (PlanFrame, Rect),
+        known: (Feature, &BorderColours, bool),
+    ) -> Self {
+        let frame = frame.within(window);
+        let (features, weight) = cells(photo, map, look, &frame, robot);
+        let (spread, borders, shadows) = known;
+        let cells = Cells { features, weight, spread, borders: borders.clone() };
+        Self::judged(frame, cells, look, robot, shadows)
     }
 
     /// The same of another look at the picture.
-    pub(crate) fn anew(&self, look: &Look, robot: Option<RobotTop>, shadows: bool) -> Self {
-        let seen = (self.features.clone(), self.weight.clone(), self.spread);
-        Self::judged(self.frame, seen, look, robot, shadows)
+    pub(crate) fn judged_again(&self, look: &Look, robot: Option<RobotTop>, shadows: bool) -> Self {
+        let cells = Cells {
+            features: self.features.clone(),
+            weight: self.weight.clone(),
+            spread: self.spread,
+            borders: self.borders.clone(),
+        };
+        Self::judged(self.frame, cells, look, robot, shadows)
     }
 
     fn judged(
         frame: PlanFrame,
-        (features, weight, spread): (Raster<Feature>, Raster<f32>, Feature),
+        cells: Cells,
         look: &Look,
         robot: Option<RobotTop>,
         shadows: bool,
     ) -> Self {
+        let Cells { features, weight, spread, borders } = cells;
         let floor = look.floor.with_spread(spread);
         let judged = judge(&frame, &features, &floor, look);
         let soft = soft_shadow(&frame, &features, &judged, &floor, look.frame.scale);
         let shadows = shadows.then_some(&soft);
-        let background = background(&frame, &features, &judged, &floor, robot, shadows);
+        let cells = (&features, &judged, &borders);
+        let background = background(&frame, cells, &floor, robot, shadows);
         let shade = shade(&frame, &judged, robot);
-        Self { frame, features, background, weight, shade, spread }
+        Self { frame, features, background, weight, shade, spread, borders }
     }
 
     /// The floor point of a cell by its index.
@@ -157,22 +177,49 @@ impl Evidence {
             let point = self.frame.point(column as f64, row as f64);
             self.background.cells()[index] >= 0.8
                 && self.weight.cells()[index] > 0.0
-                && outside(self.frame.arena, point).is_none()
+                && self.frame.arena.beyond(point).is_none()
         })
     }
+}
+
+/// The coarse view of all that a look spans.
+fn coarse_frame(look: &Look) -> PlanFrame {
+    PlanFrame::new(look.frame.arena, coarse_scale(look), look.frame.margin)
+}
+
+/// The colours of a frame's cells and how much each counts.
+fn cells(
+    photo: &Photo,
+    map: &PlanMap,
+    look: &Look,
+    frame: &PlanFrame,
+    robot: Option<RobotTop>,
+) -> (Raster<Feature>, Raster<f32>) {
+    let (arena, scale) = (frame.arena, frame.scale);
+    let features = plan_view(photo, map, frame).map(feature);
+    let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
+        let point = frame.point(column as f64, row as f64);
+        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+        let seen = photo.holds(map.to_photo(point)) && !look.is_left_out(point, scale);
+        match arena.beyond(point) {
+            _ if of_robot || !seen => 0.0,
+            Some(_) => OUTSIDE_WEIGHT,
+            None if arena.depth(point) * scale < BORDER_BLUR => 0.0,
+            None => 1.0,
+        }
+    });
+    (features, weight)
 }
 
 /// The cost of every cell of being background; `shadows` marks their wide rims, and without it nothing but
 /// the robot casts any.
 fn background(
     frame: &PlanFrame,
-    features: &Raster<Feature>,
-    judged: &Raster<Difference>,
+    (features, judged, borders): (&Raster<Feature>, &Raster<Difference>, &BorderColours),
     floor: &FloorModel,
     robot: Option<RobotTop>,
     shadows: Option<&Raster<bool>>,
 ) -> Raster<f32> {
-    let borders = border_colours(frame, features);
     let half = half_shadow(frame, judged);
     // Without shadow, what is half dark beside lit floor is the blur of an edge.
     let rim = widened(&judged.map(|difference| difference.lit < SURE), 1);
@@ -182,7 +229,7 @@ fn background(
         let point = frame.point(column as f64, row as f64);
         let index = row * width + column;
         let seen = features.cells()[index];
-        let distance = match outside(frame.arena, point) {
+        let distance = match frame.arena.beyond(point) {
             None => {
                 let difference = judged.cells()[index];
                 let of_robot =
@@ -203,9 +250,7 @@ fn background(
                 };
                 ((distance - SURE) / (FOREIGN - SURE)).max(0.0)
             }
-            Some((side, depth)) => borders[side]
-                .get((depth * frame.scale) as usize)
-                .map_or(0.0, |&of_border| border_distance(seen, of_border)),
+            Some((side, depth)) => borders.distance(side, depth * frame.scale, seen),
         };
         (distance * distance).min(1.0)
     })
@@ -255,9 +300,7 @@ fn soft_shadow(
     lit.grown(|cell, next| {
         let point = frame.point((next % width) as f64, (next / width) as f64);
         let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
-        judged.cells()[next].floor < SURE
-            && step < steepest
-            && outside(frame.arena, point).is_none()
+        judged.cells()[next].floor < SURE && step < steepest && frame.arena.beyond(point).is_none()
     })
 }
 
@@ -284,7 +327,7 @@ fn lonely_shadow(
     };
     let dark = Raster::from_fn(width, height, |column, row| {
         let (point, difference) = judged(column, row);
-        outside(frame.arena, point).is_none()
+        frame.arena.beyond(point).is_none()
             && difference.lit > FOREIGN
             && difference.floor <= FOREIGN
     });
@@ -295,7 +338,7 @@ fn lonely_shadow(
             let (point, difference) = judged(column, row);
             let of_robot =
                 robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-            if difference.floor <= FOREIGN && outside(frame.arena, point).is_none() && !of_robot {
+            if difference.floor <= FOREIGN && frame.arena.beyond(point).is_none() && !of_robot {
                 continue;
             }
             for (i, j) in (-TOUCH..=TOUCH).flat_map(|j| (-TOUCH..=TOUCH).map(move |i| (i, j))) {
@@ -315,7 +358,7 @@ fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>
         let point = frame.point(column as f64, row as f64);
         let of_robot =
             robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
-        if of_robot || inside(frame.arena, point) < BORDER_SHADOW {
+        if of_robot || frame.arena.depth(point) < BORDER_SHADOW {
             return 0.0;
         }
         let difference = judged.cells()[row * width + column];
@@ -329,52 +372,22 @@ fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>
     })
 }
 
-/// The side (0 left, 1 lower, 2 right, 3 upper) that a point lies beyond and how far; `None` on the arena.
-fn outside(arena: Arena, point: Point) -> Option<(usize, f64)> {
-    let depths = [-point.x, -point.y, point.x - arena.width, point.y - arena.height];
-    let (side, &depth) = depths.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-    (depth > 0.0).then_some((side, depth))
-}
-
-/// How far a point of the arena is from its nearest side, metres.
-fn inside(arena: Arena, point: Point) -> f64 {
-    point.x.min(point.y).min(arena.width - point.x).min(arena.height - point.y)
-}
-
-/// The median colour beyond each side, by the distance from it in cells.
-fn border_colours(frame: &PlanFrame, features: &Raster<Feature>) -> [Vec<Feature>; 4] {
-    let depths = (frame.margin * frame.scale) as usize + 2;
-    let mut lists: [Vec<[Vec<f32>; 3]>; 4] = [(); 4].map(|()| vec![Default::default(); depths]);
-    for row in 0..features.height() {
-        for (column, seen) in features.row(row).iter().enumerate() {
-            if let Some((side, depth)) =
-                outside(frame.arena, frame.point(column as f64, row as f64))
-                && let Some(parts) = lists[side].get_mut((depth * frame.scale) as usize)
-            {
-                parts.iter_mut().zip(seen).for_each(|(list, &value)| list.push(value));
-            }
-        }
-    }
-    lists
-        .map(|side| side.into_iter().map(|parts| parts.map(|mut list| median(&mut list))).collect())
-}
-
-fn border_distance(seen: Feature, border: Feature) -> f32 {
-    let square: f32 = (0..3)
-        .map(|part| ((seen[part] - border[part]) / (3.0 * BORDER_SPREAD[part])).powi(2))
-        .sum();
-    square.sqrt()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn points_beyond_a_side_know_which_and_how_far() {
-        let arena = Arena { width: 2.0, height: 1.0 };
-        assert_eq!(outside(arena, Point::new(1.0, 0.5)), None);
-        assert_eq!(outside(arena, Point::new(2.25, 0.5)), Some((2, 0.25)));
-        assert_eq!(outside(arena, Point::new(-0.1, -0.3)), Some((1, 0.3)));
+impl Evidence {
+    /// A floor of brightness 0 on which `brightness` tells how bright it is elsewhere; what is below −0.5 is none of it.
+    pub(super) fn drawn(frame: PlanFrame, brightness: impl Fn(Point) -> f32) -> Self {
+        let (width, height) = frame.size();
+        let features = Raster::from_fn(width, height, |column, row| {
+            [brightness(frame.point(column as f64, row as f64)), 0.0, 0.0]
+        });
+        Self {
+            frame,
+            background: features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 }),
+            features,
+            weight: Raster::filled(width, height, 1.0),
+            shade: Raster::filled(width, height, 0.0),
+            spread: [0.02; 3],
+            borders: BorderColours::default(),
+        }
     }
 }

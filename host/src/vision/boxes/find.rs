@@ -4,6 +4,7 @@
 //! [Alghannam, Sec. II]. Here what is neither floor nor shadow is explained by boxes, and footprints
 //! are told from outlines wherever visible sides show that boxes lean.
 
+use super::border_colours::BorderColours;
 use super::evidence::{Evidence, coarse_scale};
 use super::footprint::without_floor;
 use super::implausible::{fades_into_floor, is_faint_floor, is_part_of_robot, is_part_of_wall};
@@ -12,13 +13,16 @@ use super::projection::LeaningBox;
 use super::proposals::proposals;
 use super::refine::{Bounded, Sharpener};
 use super::search::Search;
+use super::shaped::Shaped;
 use super::tighten::Tightener;
 use super::uncovered::Explained;
 use crate::geometry::{Point, Rect};
 use crate::scene::Obstacle;
-use crate::vision::appearance::{Look, Shadow};
+use crate::shape::Shape;
+use crate::vision::appearance::{Feature, FloorModel, Look, Shadow};
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
+use crate::vision::plan_view::PlanFrame;
 use crate::vision::robot::RobotTop;
 
 /// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
@@ -44,11 +48,38 @@ pub(crate) struct Found {
     pub(crate) leans: Option<bool>,
     /// Whether thin lines from side to side were taken for lines on the floor.
     pub(crate) has_lines: bool,
+    /// Where each of the boxes and then of the shapes is seen.
+    pub(crate) traces: Vec<Trace>,
+    /// What the picture has told of floor and light; nothing if the method does without.
+    pub(crate) known: Option<Known>,
+}
+
+/// Where a thing is seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trace {
+    /// The bounds of its outline and shadow, metres.
+    pub(crate) extent: Rect,
+    /// The box that the search has found there, if it has.
+    pub(crate) searched: Option<LeaningBox>,
+}
+
+impl Trace {
+    fn plain(extent: Rect) -> Self {
+        Self { extent, searched: None }
+    }
+}
+
+impl Found {
+    /// Boxes that were found without a model of the floor.
+    pub(crate) fn plain(boxes: Vec<Bounded>) -> Self {
+        let traces = boxes.iter().map(|seen| Trace::plain(seen.rect)).collect();
+        Self { boxes, shapes: vec![], leans: None, has_lines: false, traces, known: None }
+    }
 }
 
 /// Finds the boxes.
 ///
-/// They are sought twice, upright and leaning away from the camera's foot point. From far away no lean
+/// They are searched for twice, upright and leaning away from the camera's foot point. From far away no lean
 /// can be seen, and a free lean only fits noise; so leaning boxes must explain more or show sides.
 ///
 /// Shadow that no lamp explains may be boxes as dark as shadow, which must not be lost. Then all that is
@@ -66,7 +97,7 @@ pub(crate) fn find(
         look.floor.shadow = shadow;
         let evidence = match &best {
             None => Evidence::of(photo, map, &look, robot, true),
-            Some(best) => best.evidence.anew(&look, robot, true),
+            Some(best) => best.evidence.judged_again(&look, robot, true),
         };
         let picture = Picture { photo, map, look: &look, robot, viewpoint };
         let scene = picture.explain(&evidence);
@@ -77,16 +108,75 @@ pub(crate) fn find(
         }
     }
     let Some(Reading { shadow, evidence, scene: first, .. }) = best else {
-        return Found { boxes: vec![], shapes: vec![], leans: None, has_lines: false };
+        return Found::plain(Vec::new());
     };
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
     if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
-        return picture.finish(first);
+        return picture.settle(first, &evidence, true);
     }
-    let dark = picture.explain(&evidence.anew(&look, robot, false));
+    let dark = picture.explain(&evidence.judged_again(&look, robot, false));
     let lit = dark.lamp.and_then(|lamp| picture.lit(&evidence, lamp, &dark.boxes));
-    picture.finish(lit.unwrap_or(dark))
+    let has_shadows = lit.is_some();
+    picture.settle(lit.unwrap_or(dark), &evidence, has_shadows)
+}
+
+/// Finds the boxes in a window of a later picture of the same floor in the same light, where `before` were
+/// found by the search before.
+pub(crate) fn find_within(
+    (photo, map): (&Photo, &PlanMap),
+    known: &Known,
+    (window, left_out): (Rect, &[Shape]),
+    (robot, viewpoint): (Option<RobotTop>, Option<Viewpoint>),
+    before: &[LeaningBox],
+) -> Found {
+    let mut look = Look::within(photo, map, &known.floor, known.frames, window);
+    look.leave_out(left_out.to_vec());
+    let of_floor = (known.spread, &known.borders, known.has_shadows);
+    let part = (known.coarse, window);
+    let evidence = Evidence::within(photo, map, &look, robot, part, of_floor);
+    let Known { foot, lamp, leans, .. } = *known;
+    let rects = with(&proposals(&evidence), before);
+    let boxes = Search { evidence: &evidence, foot, lamp }.run_from(&rects, before);
+    let picture = Picture { photo, map, look: &look, robot, viewpoint };
+    picture.finish(Scene { boxes, foot, lamp, leans })
+}
+
+/// What a picture has told of floor and light: it holds for others of the same floor in the same light.
+#[derive(Clone, Debug)]
+pub(crate) struct Known {
+    floor: FloorModel,
+    /// The frames of the look, and of the evidence.
+    frames: [PlanFrame; 2],
+    coarse: PlanFrame,
+    spread: Feature,
+    borders: BorderColours,
+    /// Whether what is as dark as shadow may be shadow.
+    has_shadows: bool,
+    foot: Option<Point>,
+    lamp: Option<Lamp>,
+    /// Whether boxes lean; unknown without boxes.
+    pub(crate) leans: Option<bool>,
+}
+
+impl Known {
+    /// The floor in its light, with the shadow on it.
+    pub(crate) fn floor(&self) -> &FloorModel {
+        &self.floor
+    }
+
+    /// The frames of a look at the whole picture.
+    pub(crate) fn frames(&self) -> [PlanFrame; 2] {
+        self.frames
+    }
+}
+
+/// A box that stands there: its outline, its footprint with margins, and where it is seen.
+#[derive(Clone, Copy)]
+struct Standing {
+    outline: LeaningBox,
+    bounded: Bounded,
+    trace: Trace,
 }
 
 /// How much of the floor is in shadow, square metres.
@@ -111,7 +201,7 @@ struct Scene {
     leans: Option<bool>,
 }
 
-/// A picture and what is known of it before boxes are sought.
+/// A picture and what is known of it before boxes are searched for.
 struct Picture<'a> {
     photo: &'a Photo,
     map: &'a PlanMap,
@@ -158,41 +248,82 @@ impl Picture<'_> {
         (left < MOST_LEFT).then_some(Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) })
     }
 
-    /// The boxes brought to a fraction of a pixel, without what cannot be one.
-    fn finish(&self, scene: Scene) -> Found {
-        let tools = self.sharpener(scene.foot, scene.lamp.is_some());
-        let arena = self.look.frame.arena;
-        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
-        let outline = |seen: &LeaningBox| seen.bounds(scene.foot.unwrap_or(middle));
-        let is_floor = |seen: &LeaningBox| {
-            let outline = outline(seen);
-            fades_into_floor(outline, self.look) || is_faint_floor(outline, self.look)
+    /// The boxes of an explanation of the whole picture, with what it tells of floor and light.
+    fn settle(&self, scene: Scene, evidence: &Evidence, has_shadows: bool) -> Found {
+        let known = Known {
+            floor: self.look.floor.clone(),
+            frames: [self.look.frame, self.look.view],
+            coarse: evidence.frame,
+            spread: evidence.spread,
+            borders: evidence.borders.clone(),
+            has_shadows,
+            foot: scene.foot,
+            lamp: scene.lamp,
+            leans: scene.leans,
         };
-        let seen = scene.boxes.into_iter().filter(|seen| !is_floor(seen));
-        let (outlines, mut boxes): (Vec<LeaningBox>, Vec<Bounded>) = seen
-            .filter_map(|seen| self.standing(&tools, seen))
-            .filter(|(_, bounded)| {
-                !is_part_of_wall(bounded.rect, arena) && !is_part_of_robot(bounded.rect, self.robot)
-            })
-            .unzip();
+        Found { known: Some(known), ..self.finish(scene) }
+    }
+
+    /// The bounds of the outline and of the shadow of a box.
+    fn extent(seen: &LeaningBox, foot: Option<Point>, lamp: Option<Lamp>) -> Rect {
+        let outline = foot.map_or(seen.base, |foot| seen.bounds(foot));
+        let shadow = lamp.and_then(|lamp| Some(lamp.shadow(*seen)?.bounds(lamp.foot)));
+        shadow.map_or(outline, |shadow| outline.union(shadow))
+    }
+
+    /// The boxes brought to a fraction of a pixel, without what cannot be one, and what else is seen.
+    fn finish(&self, scene: Scene) -> Found {
         let Scene { foot, lamp, leans, .. } = scene;
         let (look, robot) = (self.look, self.robot);
+        let standing = self.all_standing(scene);
+        let outlines: Vec<LeaningBox> = standing.iter().map(|of| of.outline).collect();
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
-        let distances = explained.distances();
-        let shaped = explained.shapes(&distances);
-        let is_kept = |index: usize| !shaped.iter().any(|of| of.replaces.contains(&index));
-        let keep = |index: &usize| is_kept(*index);
-        let outlines: Vec<LeaningBox> =
-            (0..outlines.len()).filter(keep).map(|i| outlines[i]).collect();
-        boxes = (0..boxes.len()).filter(keep).map(|index| boxes[index]).collect();
-        let shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
+        let foreign = explained.foreign();
+        let shaped = explained.shapes(&foreign);
+        let of_shape = |of: &Shaped| {
+            let replaced = of.replaces.iter().map(|&index| standing[index].trace.extent);
+            Trace::plain(replaced.fold(of.obstacle.footprint.bounds(), Rect::union))
+        };
+        let of_shapes: Vec<Trace> = shaped.iter().map(of_shape).collect();
+        let is_kept = |index: &usize| !shaped.iter().any(|of| of.replaces.contains(index));
+        let kept: Vec<Standing> =
+            (0..standing.len()).filter(is_kept).map(|index| standing[index]).collect();
+        let outlines: Vec<LeaningBox> = kept.iter().map(|of| of.outline).collect();
+        let (mut boxes, mut traces): (Vec<Bounded>, Vec<Trace>) =
+            kept.into_iter().map(|of| (of.bounded, of.trace)).unzip();
+        let mut shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
-        let has_lines = explained.complete(&distances, &shapes, &mut boxes);
+        let added = explained.complete(&foreign, &shapes, &mut boxes);
         let tightener = Tightener { photo: self.photo, map: self.map, look };
         for added in boxes.iter_mut().skip(outlines.len()) {
             *added = tightener.tighten(*added);
         }
-        Found { boxes, shapes, leans, has_lines }
+        traces.extend(boxes.iter().skip(outlines.len()).map(|added| Trace::plain(added.rect)));
+        traces.extend(of_shapes);
+        traces.extend(added.iter().map(|added| Trace::plain(added.footprint.bounds())));
+        shapes.extend(added);
+        Found { boxes, shapes, leans, has_lines: foreign.has_lines, traces, known: None }
+    }
+
+    /// The boxes of an explanation that can be some, each with where it is seen.
+    fn all_standing(&self, Scene { boxes, foot, lamp, .. }: Scene) -> Vec<Standing> {
+        let tools = self.sharpener(foot, lamp.is_some());
+        let arena = self.look.frame.arena;
+        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
+        let is_floor = |seen: &LeaningBox| {
+            let outline = seen.bounds(foot.unwrap_or(middle));
+            fades_into_floor(outline, self.look) || is_faint_floor(outline, self.look)
+        };
+        let extent = |seen: &LeaningBox| Self::extent(seen, foot, lamp);
+        let standing = |searched: LeaningBox| {
+            let (outline, bounded) = self.standing(&tools, searched)?;
+            let extent = extent(&outline).union(extent(&searched));
+            let trace = Trace { extent, searched: Some(searched) };
+            let is_kept = !is_part_of_wall(bounded.rect, arena)
+                && !is_part_of_robot(bounded.rect, self.robot);
+            is_kept.then_some(Standing { outline, bounded, trace })
+        };
+        boxes.into_iter().filter(|seen| !is_floor(seen)).filter_map(standing).collect()
     }
 
     /// A box with its edges to a fraction of a pixel and without the floor that is seen in its footprint.
@@ -203,7 +334,7 @@ impl Picture<'_> {
         // What two measures do not agree on explains nothing that is seen beside the footprint.
         let seen = LeaningBox { lean: measured.lean.min(seen.lean), ..measured };
         let stands = without_floor(bounded.rect, self.look);
-        let large = |rect: &Rect| area(*rect) > MOST_FLOOR * area(bounded.rect);
+        let large = |rect: &Rect| rect.area() > MOST_FLOOR * bounded.rect.area();
         match stands.filter(large) {
             Some(rect) if rect == bounded.rect => return Some((seen, bounded)),
             Some(rect) if tools.shown_lean(LeaningBox { base: rect, ..seen }).is_some() => {
@@ -221,10 +352,6 @@ impl Picture<'_> {
         let (photo, map, look) = (self.photo, self.map, self.look);
         Sharpener { photo, map, look, foot, foot_error, coarse: coarse_scale(look), lit }
     }
-}
-
-fn area(rect: Rect) -> f64 {
-    (rect.x1 - rect.x0) * (rect.y1 - rect.y0)
 }
 
 /// Rectangles and the footprints of boxes that were found before.

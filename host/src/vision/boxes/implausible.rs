@@ -1,11 +1,11 @@
 //! What was taken for a box but cannot be one: the face of a wall, a part of the robot, floor that merely
-//! grows darker; and strips that tell that the arena itself was mistaken.
+//! grows darker, lines across it; and strips that tell that the arena itself was mistaken.
 //!
 //! Deviation: the paper keeps every area that is not white [Alghannam, Sec. II]. These are no obstacles
 //! for reasons that colours alone do not tell. Metres in the arena frame.
 
 use super::refine::at;
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Arena, Point, Rect, Side};
 use crate::vision::appearance::{FOREIGN, Feature, Look};
 use crate::vision::robot::RobotTop;
 
@@ -14,6 +14,12 @@ const WALL_FACE: f64 = 0.035;
 /// A strip along a side: its width at most, metres, and its length at least, a share of the side.
 const WIDEST_STRIP: f64 = 0.08;
 const STRIP_SHARE: f64 = 0.8;
+/// A strip along more than half of a side, or in a corner, is a wall's foot up to this width, metres.
+const STRIP_WIDTH: f64 = 0.06;
+/// The visible foot of a wall is no wider than this, metres.
+const WALL_FOOT: f64 = 0.035;
+/// Lines on a floor reach two opposite sides of the arena to within so much, metres.
+const LINE_END: f64 = 0.04;
 /// What lies in a disc of so many radii about the robot's top belongs to it or to its shadow.
 const ROBOT_REACH: f64 = 1.0;
 /// Places along an edge where its step is measured, and half the distance across it: metres, and cells.
@@ -39,13 +45,13 @@ pub(crate) fn is_part_of_wall(rect: Rect, arena: Arena) -> bool {
 pub(crate) fn lined_sides(rects: &[Rect], arena: Arena) -> usize {
     let Arena { width, height } = arena;
     let long = |from: f64, to: f64, length: f64| to - from > STRIP_SHARE * length;
-    let lines = |side: usize, r: &Rect| match side {
-        0 => r.x0 <= 0.0 && r.x1 < WIDEST_STRIP && long(r.y0, r.y1, height),
-        1 => r.y0 <= 0.0 && r.y1 < WIDEST_STRIP && long(r.x0, r.x1, width),
-        2 => r.x1 >= width && width - r.x0 < WIDEST_STRIP && long(r.y0, r.y1, height),
-        _ => r.y1 >= height && height - r.y0 < WIDEST_STRIP && long(r.x0, r.x1, width),
+    let lines = |side: Side, r: &Rect| match side {
+        Side::Left => r.x0 <= 0.0 && r.x1 < WIDEST_STRIP && long(r.y0, r.y1, height),
+        Side::Lower => r.y0 <= 0.0 && r.y1 < WIDEST_STRIP && long(r.x0, r.x1, width),
+        Side::Right => r.x1 >= width && width - r.x0 < WIDEST_STRIP && long(r.y0, r.y1, height),
+        Side::Upper => r.y1 >= height && height - r.y0 < WIDEST_STRIP && long(r.x0, r.x1, width),
     };
-    (0..4).filter(|&side| rects.iter().any(|rect| lines(side, rect))).count()
+    Side::EDGES.into_iter().filter(|&side| rects.iter().any(|rect| lines(side, rect))).count()
 }
 
 /// Whether a rectangle has its middle where the robot stands: no box can stand there too.
@@ -97,7 +103,9 @@ fn steps(outline: Rect, look: &Look) -> Vec<f32> {
     let across = ACROSS.max(ACROSS_CELLS / look.frame.scale);
     let edges: [f64; 4] = outline.into();
     let walls = [0.0, 0.0, arena.width, arena.height];
-    let free = (0..4).filter(|&side| (edges[side] - walls[side]).abs() > 2.0 * across);
+    let free = Side::EDGES
+        .into_iter()
+        .filter(|&side| (edges[side.edge()] - walls[side.edge()]).abs() > 2.0 * across);
     free.map(|side| step(outline, side, across, look)).collect()
 }
 
@@ -114,7 +122,7 @@ fn foreign_share(rect: Rect, look: &Look) -> f64 {
 }
 
 /// How much the mean colour changes across an edge.
-fn step(outline: Rect, side: usize, across: f64, look: &Look) -> f32 {
+fn step(outline: Rect, side: Side, across: f64, look: &Look) -> f32 {
     let mut sum: Feature = [0.0; 3];
     for place in 0..PLACES {
         let along = (place as f64 + 0.5) / PLACES as f64;
@@ -124,6 +132,27 @@ fn step(outline: Rect, side: usize, across: f64, look: &Look) -> f32 {
         }
     }
     sum.iter().map(|part| (part / PLACES as f32).powi(2)).sum::<f32>().sqrt()
+}
+
+/// Whether a rectangle lies in the strip along a side of the arena where the wall's foot is.
+pub(super) fn is_along_wall(rect: Rect, arena: Arena) -> bool {
+    let Arena { width, height } = arena;
+    let along = |low: f64, high: f64, across: f64, length: f64, whole: f64| {
+        let strip = if length > 0.5 * whole { STRIP_WIDTH } else { WALL_FOOT };
+        high < strip || low > across - strip
+    };
+    let is_in_corner = [(rect.x0, rect.x1, width), (rect.y0, rect.y1, height)]
+        .into_iter()
+        .all(|(low, high, across)| high < STRIP_WIDTH || low > across - STRIP_WIDTH);
+    is_in_corner
+        || along(rect.x0, rect.x1, width, rect.y1 - rect.y0, height)
+        || along(rect.y0, rect.y1, height, rect.x1 - rect.x0, width)
+}
+
+/// Whether a rectangle reaches from one side of the arena to the opposite one.
+pub(super) fn joins_opposite_sides(rect: Rect, arena: Arena) -> bool {
+    rect.x0 < LINE_END && rect.x1 > arena.width - LINE_END
+        || rect.y0 < LINE_END && rect.y1 > arena.height - LINE_END
 }
 
 #[cfg(test)]

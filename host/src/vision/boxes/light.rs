@@ -259,7 +259,7 @@ mod tests {
         ]
         .map(|(base, lean)| LeaningBox { base, lean })
         .into();
-        let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
+        let frame = PlanFrame::new(arena, 100.0, 0.1);
         let (width, height) = frame.size();
         let shade = Raster::from_fn(width, height, |column, row| {
             let point = frame.point(column as f64, row as f64);
@@ -267,14 +267,7 @@ mod tests {
             let mut shaded = shaded.map(|shadow| shadow.face(point, truth.foot).is_some());
             if shaded.any(|shaded| shaded) { 1.0 } else { -1.0 }
         });
-        let evidence = Evidence {
-            frame,
-            features: Raster::filled(width, height, [0.0; 3]),
-            background: Raster::filled(width, height, 0.0),
-            weight: Raster::filled(width, height, 1.0),
-            shade,
-            spread: [0.02; 3],
-        };
+        let evidence = Evidence { shade, ..Evidence::drawn(frame, |_| 0.0) };
         let leans: Vec<Option<f64>> = vec![Some(1.10), None, Some(1.14)];
         let lamp = Lamp::of(&evidence, &boxes, &leans, camera, 3.0).unwrap();
         // Direction and distance trade off; what counts is where a shadow falls: to two cells of the search.

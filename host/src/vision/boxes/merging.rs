@@ -37,7 +37,7 @@ impl Search<'_> {
     /// The boxes with all that lie in the bounds of `a` and `b` replaced by one, if that is better.
     fn merged(&self, found: &[LeaningBox], a: Rect, b: Rect) -> Option<Vec<LeaningBox>> {
         let union = Rect::new(a.x0.min(b.x0), a.y0.min(b.y0), a.x1.max(b.x1), a.y1.max(b.y1));
-        if area(union) > MERGE_FILL * (area(a) + area(b)) {
+        if union.area() > MERGE_FILL * (a.area() + b.area()) {
             return None;
         }
         let foot = self.foot();
@@ -84,15 +84,11 @@ impl Search<'_> {
     }
 }
 
-fn area(rect: Rect) -> f64 {
-    (rect.x1 - rect.x0) * (rect.y1 - rect.y0)
-}
-
 /// Whether `cover` covers most of a rectangle.
 fn covers(cover: Rect, rect: Rect) -> bool {
     let width = rect.x1.min(cover.x1) - rect.x0.max(cover.x0);
     let height = rect.y1.min(cover.y1) - rect.y0.max(cover.y0);
-    width > 0.0 && height > 0.0 && width * height > KEPT_SHARE * area(rect)
+    width > 0.0 && height > 0.0 && width * height > KEPT_SHARE * rect.area()
 }
 
 fn touches(a: Rect, b: Rect, reach: f64) -> bool {
@@ -105,23 +101,14 @@ mod tests {
     use super::*;
     use crate::geometry::Arena;
     use crate::vision::PlanFrame;
-    use crate::vision::image::Raster;
 
     /// The boxes found on a floor of brightness 0 with rectangles of their own brightness.
     fn found(drawn: &[(Rect, f32)]) -> Vec<Rect> {
         let arena = Arena { width: 2.0, height: 1.0 };
-        let frame = PlanFrame { arena, scale: 100.0, margin: 0.1 };
-        let (width, height) = frame.size();
-        let features = Raster::from_fn(width, height, |column, row| {
-            let point = frame.point(column as f64, row as f64);
-            let holds =
-                |r: &Rect| point.x > r.x0 && point.x < r.x1 && point.y > r.y0 && point.y < r.y1;
-            [drawn.iter().find(|(rect, _)| holds(rect)).map_or(0.0, |(_, dark)| *dark), 0.0, 0.0]
+        let frame = PlanFrame::new(arena, 100.0, 0.1);
+        let evidence = Evidence::drawn(frame, |point| {
+            drawn.iter().find(|(rect, _)| rect.contains(point)).map_or(0.0, |(_, dark)| *dark)
         });
-        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
-        let weight = Raster::filled(width, height, 1.0);
-        let shade = Raster::filled(width, height, 0.0);
-        let evidence = Evidence { frame, features, background, weight, shade, spread: [0.02; 3] };
         let rects: Vec<Rect> = drawn.iter().map(|(rect, _)| *rect).collect();
         let search = Search { evidence: &evidence, foot: None, lamp: None };
         search.run(&rects).into_iter().map(|seen| seen.base).collect()

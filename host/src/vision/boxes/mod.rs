@@ -2,11 +2,15 @@
 //! the refinement of their edges with margins, and all that no box explains.
 
 mod balance;
+mod border_colours;
 mod candidates;
 mod evidence;
 mod find;
+mod floor_lines;
 mod footprint;
+mod foreign;
 mod implausible;
+mod lean;
 mod light;
 mod merging;
 mod projection;
@@ -16,9 +20,10 @@ mod search;
 mod shaped;
 mod tighten;
 mod uncovered;
+mod widening;
 
 pub(crate) use evidence::Evidence;
-pub(crate) use find::{Found, find};
+pub(crate) use find::{Found, Known, Trace, find, find_within};
 pub(crate) use implausible::lined_sides;
 pub(crate) use projection::{Face, LeaningBox};
 pub(crate) use refine::{Bounded, at};

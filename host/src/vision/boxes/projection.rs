@@ -5,7 +5,7 @@
 //! axis-parallel rectangles; the sides that face the foot point lie between their edges. The outline is
 //! all that the footprint sweeps on its way to the top.
 
-use crate::geometry::{Point, Rect};
+use crate::geometry::{Point, Rect, Side};
 
 /// A footprint and its lean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,13 +69,13 @@ impl LeaningBox {
         )
     }
 
-    /// Whether the side (0 left, 1 lower, 2 right, 3 upper) faces the camera's foot point.
-    pub(crate) fn faces(&self, side: usize, foot: Point) -> bool {
+    /// Whether a side faces the camera's foot point.
+    pub(crate) fn faces(&self, side: Side, foot: Point) -> bool {
         match side {
-            0 => self.base.x0 > foot.x,
-            1 => self.base.y0 > foot.y,
-            2 => self.base.x1 < foot.x,
-            _ => self.base.y1 < foot.y,
+            Side::Left => self.base.x0 > foot.x,
+            Side::Lower => self.base.y0 > foot.y,
+            Side::Right => self.base.x1 < foot.x,
+            Side::Upper => self.base.y1 < foot.y,
         }
     }
 
@@ -150,7 +150,11 @@ mod tests {
         assert_eq!(seen.face(Point::new(2.05, 1.0), FOOT), Some(Face::AcrossX));
         assert_eq!(seen.face(Point::new(2.3, 1.0), FOOT), Some(Face::Top));
         assert_eq!(seen.face(Point::new(1.99, 1.0), FOOT), None);
-        assert!(seen.faces(0, FOOT) && !seen.faces(1, FOOT) && !seen.faces(2, FOOT));
+        assert!(
+            seen.faces(Side::Left, FOOT)
+                && !seen.faces(Side::Lower, FOOT)
+                && !seen.faces(Side::Right, FOOT)
+        );
     }
 
     proptest! {

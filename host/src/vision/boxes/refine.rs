@@ -4,15 +4,14 @@
 //! of the mean is the edge. An edge that cannot be seen keeps its place and gets a wider margin.
 
 use super::projection::LeaningBox;
-use super::search::MOST_LEAN;
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Arena, Point, Rect, Side};
 use crate::scene::Obstacle;
-use crate::vision::appearance::{FOREIGN, Feature, Look, SURE, feature};
+use crate::vision::appearance::{FOREIGN, Look};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, step};
 
 /// Profiles along each edge.
-const PLACES: usize = 48;
+pub(super) const PLACES: usize = 48;
 /// Places stay this share of the edge away from its ends.
 const END_SHARE: f64 = 0.06;
 /// How far an edge may be moved at least, pixels, and cells of the view that it was found in.
@@ -28,30 +27,11 @@ const WALL_METRES: f64 = 0.01;
 /// A seen edge is good to this many pixels, and this many metres for the map's own error.
 const SEEN_PIXELS: f64 = 0.5;
 const SEEN_METRES: f64 = 0.001;
-/// A foot edge, which may be that of a dark box on a white floor, blurs the light this far, pixels.
-const FOOT_BLUR: f64 = 3.0;
-/// The edge between two faces blurs the light this far, pixels.
-const FACE_BLUR: f64 = 1.0;
-/// A first guess of the lean above this is right to so much.
-const LEAST_GUESS: f64 = 1.02;
-const GUESS_REACH: f64 = 0.03;
-/// Without a guess only small leans are possible, and only plain sides count.
-const UNGUESSED_REACH: f64 = 0.07;
-const UNGUESSED_CONTRAST: f64 = 0.15;
-/// Two faces differ by at least this much, a natural logarithm.
-const FACE_CONTRAST: f64 = 0.10;
-/// Before the step at its end a side changes by at most this share of it.
-const EVEN_SIDE: f32 = 0.5;
-/// Sides farther from the foot point than this, metres, say no more of the lean.
-const GUESS_DISTANCE: f64 = 0.3;
 /// How much lower than measured a lean may be: at least so much, or a share of what it exceeds 1 by where
 /// sides show it and where only the shadow does.
 const LEAN_MARGIN: f64 = 0.01;
 const SHOWN_DOUBT: f64 = 0.2;
 const SHADED_DOUBT: f64 = 0.8;
-/// The distance of samples across a side, pixels, and of the leans that are tried.
-const SIDE_STEP: f64 = 0.5;
-const LEAN_STEP: f64 = 0.0025;
 /// An edge that is not seen, pixels.
 const UNSEEN_PIXELS: f64 = 3.0;
 
@@ -113,13 +93,13 @@ impl Sharpener<'_> {
             for margin in &mut margin {
                 *margin += self.foot_error * (seen.lean - 1.0);
             }
-            for side in 0..4 {
+            for side in Side::EDGES {
                 let scale = self.scale(edges.into(), side);
                 if let Some(wall) =
-                    wall(arena, side, edges[side], WALL_METRES.max(WALL_PIXELS / scale))
+                    wall(arena, side, edges[side.edge()], WALL_METRES.max(WALL_PIXELS / scale))
                 {
-                    edges[side] = wall;
-                    margin[side] = SEEN_METRES;
+                    edges[side.edge()] = wall;
+                    margin[side.edge()] = SEEN_METRES;
                 }
             }
             seen.base = edges.into();
@@ -127,20 +107,15 @@ impl Sharpener<'_> {
         (seen, Bounded { rect: seen.base, margin })
     }
 
-    /// The lean of a box whose sides can be told from its top.
-    pub(crate) fn shown_lean(&self, seen: LeaningBox) -> Option<f64> {
-        self.foot.and_then(|foot| self.lean(seen, foot))
-    }
-
-    fn scale(&self, rect: Rect, side: usize) -> f64 {
+    pub(super) fn scale(&self, rect: Rect, side: Side) -> f64 {
         self.map.scale_at(middle(rect, side)).max(1e-6)
     }
 
-    /// How far an edge is sought from where it was found, pixels: where the photo is finer than the plan view
+    /// How far an edge is searched for from where it was found, pixels: where the photo is finer than the plan view
     /// as far as a cell of that, but less than a third across the rectangle.
-    fn reach(&self, rect: Rect, side: usize) -> f64 {
+    fn reach(&self, rect: Rect, side: Side) -> f64 {
         let scale = self.scale(rect, side);
-        let across = if side.is_multiple_of(2) { rect.x1 - rect.x0 } else { rect.y1 - rect.y0 };
+        let across = if side.is_upright() { rect.x1 - rect.x0 } else { rect.y1 - rect.y0 };
         (REACH_CELLS * scale / self.coarse).min(across * scale / 3.0).max(REACH)
     }
 
@@ -152,7 +127,7 @@ impl Sharpener<'_> {
         edges: &mut [f64; 4],
         margin: &mut [f64; 4],
     ) {
-        for side in (0..4).filter(|&side| seen.faces(side, foot)) {
+        for side in Side::EDGES.into_iter().filter(|&side| seen.faces(side, foot)) {
             let view = EdgeView {
                 tools: *self,
                 rect: (*edges).into(),
@@ -161,8 +136,8 @@ impl Sharpener<'_> {
                 reach: self.reach(seen.base, side),
             };
             let place = view.place();
-            margin[side] = edge_margin(place.is_some(), view.scale);
-            edges[side] = place.unwrap_or(edges[side]);
+            margin[side.edge()] = edge_margin(place.is_some(), view.scale);
+            edges[side.edge()] = place.unwrap_or(edges[side.edge()]);
         }
     }
 
@@ -177,7 +152,7 @@ impl Sharpener<'_> {
     ) {
         let leans = self.foot.is_some();
         let top = seen.top(foot);
-        for side in (0..4).filter(|&side| !leans || !seen.faces(side, foot)) {
+        for side in Side::EDGES.into_iter().filter(|&side| !leans || !seen.faces(side, foot)) {
             let view = EdgeView {
                 tools: *self,
                 rect: top,
@@ -186,142 +161,27 @@ impl Sharpener<'_> {
                 reach: self.reach(top, side),
             };
             let place = view.place();
-            margin[side] = edge_margin(place.is_some(), view.scale);
-            let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
+            margin[side.edge()] = edge_margin(place.is_some(), view.scale);
+            let origin = if side.is_upright() { foot.x } else { foot.y };
             if let Some(edge) = place {
-                edges[side] = if leans { origin + (edge - origin) / seen.lean } else { edge };
+                edges[side.edge()] =
+                    if leans { origin + (edge - origin) / seen.lean } else { edge };
             }
             if leans {
                 let lowest = seen.lean - doubt;
-                margin[side] += (edges[side] - origin).abs() * (seen.lean / lowest - 1.0);
+                margin[side.edge()] +=
+                    (edges[side.edge()] - origin).abs() * (seen.lean / lowest - 1.0);
             }
         }
     }
-
-    /// The lean at which visible sides end and the top begins, if the photo shows that.
-    ///
-    /// All visible sides end at the same lean; a grain or a stripe on one of them does not.
-    fn lean(&self, seen: LeaningBox, foot: Point) -> Option<f64> {
-        let views: Vec<SideView> = (0..4)
-            .filter(|&side| seen.faces(side, foot))
-            .filter_map(|side| self.side_view(seen, foot, side))
-            .collect();
-        let total: f64 = views.iter().map(|view| view.weight).sum();
-        let guessed = seen.lean > LEAST_GUESS;
-        let clarity = |index: usize| {
-            let lean = 1.0 + index as f64 * LEAN_STEP;
-            views.iter().map(|view| view.weight * view.clarity_at(lean, !guessed)).sum::<f64>()
-                / total.max(1e-9)
-        };
-        let clarities: Vec<f64> =
-            (0..((MOST_LEAN - 1.0) / LEAN_STEP) as usize).map(clarity).collect();
-        let guess = ((seen.lean - 1.0) / LEAN_STEP).round() as usize;
-        let (reach, least) = if guessed {
-            (GUESS_REACH, FACE_CONTRAST)
-        } else {
-            (UNGUESSED_REACH, UNGUESSED_CONTRAST)
-        };
-        let reach = (reach / LEAN_STEP) as usize;
-        let near = clarities.iter().enumerate().filter(|(index, _)| index.abs_diff(guess) <= reach);
-        let (best, &most) = near.max_by(|a, b| a.1.total_cmp(b.1))?;
-        (most > least).then_some(1.0 + best as f64 * LEAN_STEP)
-    }
-
-    /// The colours from the foot of a visible side inwards.
-    fn side_view(&self, seen: LeaningBox, foot: Point, side: usize) -> Option<SideView> {
-        let (base, bounds): ([f64; 4], [f64; 4]) = (seen.base.into(), seen.bounds(foot).into());
-        let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
-        let distance = (base[side] - origin).abs();
-        let scale = self.scale(seen.base, side);
-        let deepest =
-            ((MOST_LEAN - 1.0) * distance).min(0.7 * (bounds[side] - bounds[(side + 2) % 4]).abs());
-        let count = (deepest * scale / SIDE_STEP) as usize;
-        if count < 8 {
-            return None;
-        }
-        let length = (base[(side + 3) % 4] - base[(side + 1) % 4]).abs();
-        let colours = (0..count).map(|index| {
-            let mut sum = [0f32; 3];
-            for place in 0..PLACES / 2 {
-                let along = 0.15 + 0.7 * (place as f64 + 0.5) / (PLACES / 2) as f64;
-                let pixel = self.map.to_photo(at(
-                    seen.base,
-                    side,
-                    along,
-                    -(index as f64) * SIDE_STEP / scale,
-                ));
-                sum.iter_mut().zip(self.photo.light(pixel)).for_each(|(sum, light)| *sum += light);
-            }
-            feature(sum.map(|value| value / (PLACES / 2) as f32))
-        });
-        let colours: Vec<Feature> = colours.collect();
-        let foot_of_side = at(seen.base, side, 0.5, 0.0);
-        let is_floor =
-            |&colour: &Feature| self.look.floor.difference(foot_of_side, colour).lit < SURE;
-        let floor = colours.iter().map(is_floor).collect();
-        Some(SideView {
-            colours,
-            floor,
-            distance: distance * scale,
-            weight: length * distance.min(GUESS_DISTANCE),
-        })
-    }
-}
-
-/// The colours from the foot of a visible side inwards, one sample every [`SIDE_STEP`] pixels.
-struct SideView {
-    colours: Vec<Feature>,
-    /// Which of them are those of lit floor.
-    floor: Vec<bool>,
-    /// From the camera's foot point to the side's foot, pixels.
-    distance: f64,
-    weight: f64,
-}
-
-impl SideView {
-    /// How clearly a side ends at a lean: by the step there, and by the faces on both sides of it. Where
-    /// nothing else speaks for a side it must be `even` up to there.
-    fn clarity_at(&self, lean: f64, even: bool) -> f64 {
-        let end = ((lean - 1.0) * self.distance / SIDE_STEP).round() as usize;
-        let (first, blur) = ((FOOT_BLUR / SIDE_STEP) as usize, (FACE_BLUR / SIDE_STEP) as usize);
-        if end < first + 2 * blur || end + 2 * blur >= self.colours.len() {
-            return 0.0;
-        }
-        // Floor before something dark is no side of it.
-        let side = self.floor.get(first..=end - blur).unwrap_or(&[]);
-        if 2 * side.iter().filter(|&&is_floor| is_floor).count() > side.len() {
-            return 0.0;
-        }
-        let mean = |from: usize, to: usize| {
-            let part = self.colours.get(from..to.min(self.colours.len())).unwrap_or(&[]);
-            [0, 1, 2].map(|axis| {
-                part.iter().map(|colour| colour[axis]).sum::<f32>() / part.len().max(1) as f32
-            })
-        };
-        let faces = distance(
-            mean(first, end - blur + 1),
-            mean(end + blur, end + blur + (end - first).max(2 * blur)),
-        );
-        let change =
-            |middle: usize| distance(self.colours[middle - blur], self.colours[middle + blur]);
-        let step = change(end);
-        // A side is even up to where the top begins; blur and gloss change all the way.
-        let before =
-            (first + blur..(end + 1).saturating_sub(2 * blur)).map(change).fold(0.0, f32::max);
-        if even && before > EVEN_SIDE * step { 0.0 } else { f64::from(faces.min(step)) }
-    }
-}
-
-fn distance(a: Feature, b: Feature) -> f32 {
-    (0..3).map(|part| (a[part] - b[part]).powi(2)).sum::<f32>().sqrt()
 }
 
 /// The base whose far edges keep the top where it was when the lean changes.
 fn far_kept(seen: LeaningBox, foot: Point, edges: [f64; 4], lean: f64) -> Rect {
     let mut kept = edges;
-    for side in (0..4).filter(|&side| !seen.faces(side, foot)) {
-        let origin = if side.is_multiple_of(2) { foot.x } else { foot.y };
-        kept[side] = origin + (edges[side] - origin) * seen.lean / lean;
+    for side in Side::EDGES.into_iter().filter(|&side| !seen.faces(side, foot)) {
+        let origin = if side.is_upright() { foot.x } else { foot.y };
+        kept[side.edge()] = origin + (edges[side.edge()] - origin) * seen.lean / lean;
     }
     kept.into()
 }
@@ -331,24 +191,24 @@ fn edge_margin(seen: bool, scale: f64) -> f64 {
 }
 
 /// The arena's side that an edge lies on, if it does.
-fn wall(arena: Arena, side: usize, edge: f64, reach: f64) -> Option<f64> {
-    let wall = [0.0, 0.0, arena.width, arena.height][side];
-    let outside = if side < 2 { edge < wall } else { edge > wall };
+fn wall(arena: Arena, side: Side, edge: f64, reach: f64) -> Option<f64> {
+    let wall = [0.0, 0.0, arena.width, arena.height][side.edge()];
+    let outside = (edge - wall) * side.outward() > 0.0;
     (outside || (edge - wall).abs() < reach).then_some(wall)
 }
 
-fn middle(rect: Rect, side: usize) -> Point {
+fn middle(rect: Rect, side: Side) -> Point {
     at(rect, side, 0.5, 0.0)
 }
 
 /// The point at a share of an edge, moved `outward`, metres.
-pub(crate) fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
+pub(crate) fn at(rect: Rect, side: Side, along: f64, outward: f64) -> Point {
     let (x, y) = (rect.x0 + along * (rect.x1 - rect.x0), rect.y0 + along * (rect.y1 - rect.y0));
     match side {
-        0 => Point::new(rect.x0 - outward, y),
-        1 => Point::new(x, rect.y0 - outward),
-        2 => Point::new(rect.x1 + outward, y),
-        _ => Point::new(x, rect.y1 + outward),
+        Side::Left => Point::new(rect.x0 - outward, y),
+        Side::Lower => Point::new(x, rect.y0 - outward),
+        Side::Right => Point::new(rect.x1 + outward, y),
+        Side::Upper => Point::new(x, rect.y1 + outward),
     }
 }
 
@@ -356,7 +216,7 @@ pub(crate) fn at(rect: Rect, side: usize, along: f64, outward: f64) -> Point {
 struct EdgeView<'a> {
     tools: Sharpener<'a>,
     rect: Rect,
-    side: usize,
+    side: Side,
     scale: f64,
     /// How far the edge may be moved, pixels.
     reach: f64,
@@ -403,7 +263,7 @@ impl EdgeView<'_> {
 
     fn coordinate(&self, index: f64) -> f64 {
         let edge = at(self.rect, self.side, 0.5, self.outward(index));
-        if self.side.is_multiple_of(2) { edge.x } else { edge.y }
+        if self.side.is_upright() { edge.x } else { edge.y }
     }
 
     /// Whether floor lies outside the edge and something else inside.

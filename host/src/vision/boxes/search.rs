@@ -67,11 +67,18 @@ pub(crate) struct Scored {
 impl Search<'_> {
     /// The boxes that explain the evidence best, from rectangles that may be outlines or tops.
     pub(crate) fn run(&self, proposals: &[Rect]) -> Vec<LeaningBox> {
+        self.run_from(proposals, &[])
+    }
+
+    /// The same, from boxes too that may be there as they are.
+    pub(crate) fn run_from(&self, proposals: &[Rect], likely: &[LeaningBox]) -> Vec<LeaningBox> {
         let mut cost = self.unexplained();
         let mut found: Vec<LeaningBox> = Vec::new();
         let readings = proposals.iter().flat_map(|&rect| self.readings(rect));
-        let mut candidates: Vec<Candidate> =
-            readings.map(|seen| self.candidate(seen, &cost)).collect();
+        let mut candidates: Vec<Candidate> = readings
+            .chain(likely.iter().copied())
+            .map(|seen| self.candidate(seen, &cost))
+            .collect();
         while found.len() < MOST_BOXES {
             let Some(best) = self.best(&mut candidates, &cost) else { break };
             if f64::from(best.gain) < self.least_gain() {
@@ -332,18 +339,11 @@ mod tests {
 
     /// A floor of colour 0 with boxes drawn on it: tops 1 darker, sides 1.6 darker.
     fn evidence(boxes: &[LeaningBox]) -> Evidence {
-        let frame =
-            PlanFrame { arena: Arena { width: 2.0, height: 1.0 }, scale: 100.0, margin: 0.1 };
-        let (width, height) = frame.size();
-        let features = Raster::from_fn(width, height, |column, row| {
-            let point = frame.point(column as f64, row as f64);
+        let frame = PlanFrame::new(Arena { width: 2.0, height: 1.0 }, 100.0, 0.1);
+        Evidence::drawn(frame, |point| {
             let dark = boxes.iter().find_map(|seen| seen.face(point, FOOT));
-            [dark.map_or(0.0, |face| if face == Face::Top { -1.0 } else { -1.6 }), 0.0, 0.0]
-        });
-        let background = features.map(|seen| if seen[0] < -0.5 { 1.0 } else { 0.0 });
-        let weight = Raster::filled(width, height, 1.0);
-        let shade = Raster::filled(width, height, 0.0);
-        Evidence { frame, features, background, weight, shade, spread: [0.02; 3] }
+            dark.map_or(0.0, |face| if face == Face::Top { -1.0 } else { -1.6 })
+        })
     }
 
     #[test]

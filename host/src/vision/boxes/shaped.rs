@@ -3,7 +3,7 @@
 //! All cells of one connected patch that are neither floor nor shadow are held against the boxes that were
 //! found there. Where boxes and patch differ by more than blur and a simple shape agrees clearly better, that
 //! shape replaces the boxes. Metres in the arena frame;
-//! patches are sought in the plan view.
+//! patches are searched for in the plan view.
 //!
 //! Deviation: the paper's obstacles are upright rectangles alone [Alghannam, Sec. II.A].
 
@@ -11,19 +11,21 @@ use super::projection::LeaningBox;
 use crate::geometry::{Arena, Point, Rect};
 use crate::scene::Obstacle;
 use crate::shape::{Polygon, Shape};
-use crate::vision::appearance::FOREIGN;
 use crate::vision::image::{Raster, around};
 use crate::vision::outline::{FittedShape, contour, fit};
 use crate::vision::plan_view::PlanFrame;
 
 /// Boxes that share this much of their area and a patch's, joined, explain the patch.
 const WELL_EXPLAINED: f64 = 0.93;
-/// A shape replaces them if it shares so much more.
+/// A shape replaces them if it shares so much more, where nothing leans.
 const CLEARLY_BETTER: f64 = 0.03;
 /// The same where nothing leans and no light casts shadows.
 const PLAINLY_EXPLAINED: f64 = 0.97;
 const PLAINLY_BETTER: f64 = 0.01;
-/// One that is not turned replaces them only where they are plainly wrong, and no known light is at work.
+/// And for one that is not turned, of which upright boxes have the better edges.
+const UPRIGHT_BETTER: f64 = 0.05;
+/// One that is not turned, or where boxes lean, replaces them only where they are plainly wrong; none that is not
+/// turned where a known light is at work.
 const MUCH_BETTER: f64 = 0.1;
 /// A box belongs to a patch if so much of it lies there.
 const LIES_IN: f64 = 0.5;
@@ -31,9 +33,10 @@ const LIES_IN: f64 = 0.5;
 const AROUND_CELLS: usize = 8;
 /// A contour is followed to this many cells.
 const TOLERANCE_CELLS: f64 = 1.25;
-/// An edge runs where the difference to the floor is this part of the greatest within so many cells.
-const HALF: f32 = 0.5;
-const NEAR_CELLS: i64 = 3;
+/// That of what has no simpler shape may be so many times as coarse.
+const COARSER: [f64; 3] = [1.0, 2.0, 4.0];
+/// Of these, one that replaces boxes has at most the first so many.
+const TRIED: usize = 2;
 /// A shape's outline encloses at most so much more than its patch has cells: a ring is no shape.
 const MOST_ENCLOSED: f64 = 1.15;
 /// An edge of this direction or less against the arena's is upright, radians; so much of a shape's outline
@@ -58,8 +61,8 @@ pub(super) struct Shaped {
 /// What is known where patches are held against boxes.
 pub(super) struct Patches<'a> {
     pub(super) frame: PlanFrame,
-    /// How far from floor each cell is, standard deviations; 0 where nothing is sought.
-    pub(super) distances: &'a Raster<f32>,
+    /// How far inside of the nearest edge each cell is: at least 1 inside.
+    pub(super) levels: &'a Raster<f32>,
     pub(super) boxes: &'a [LeaningBox],
     pub(super) foot: Option<Point>,
     /// Whether a light is known that casts shadows.
@@ -69,7 +72,8 @@ pub(super) struct Patches<'a> {
 impl Patches<'_> {
     /// The shape that explains a patch clearly better than the boxes that were found there.
     pub(super) fn shape_of(&self, patch: &[usize]) -> Option<Shaped> {
-        let window = Window::around(patch, self.distances);
+        let window = Window::around(patch, self.levels);
+        let count = window.cells.cells().iter().filter(|inside| **inside).count();
         let replaces = self.boxes_in(&window);
         let in_boxes =
             |at: Point| replaces.iter().any(|&index| self.boxes[index].spans(self.foot, at, 0.0));
@@ -89,23 +93,42 @@ impl Patches<'_> {
         if explained > if is_plain { PLAINLY_EXPLAINED } else { WELL_EXPLAINED } {
             return None;
         }
-        let fitted = self.fitted(patch.len(), &window)?;
-        let better = agreement(&|at| fitted.shape.contains(at));
-        let encloses = fitted.shape.area() * self.frame.scale.powi(2) / patch.len() as f64;
-        let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
-        let gain = match is_turned {
-            _ if is_plain => PLAINLY_BETTER,
-            true => CLEARLY_BETTER,
-            false => MUCH_BETTER,
+        let is_better = |fitted: &FittedShape| {
+            let better = agreement(&|at| fitted.shape.contains(at));
+            let encloses = fitted.shape.area() * self.frame.scale.powi(2) / count as f64;
+            let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
+            let gain = match is_turned {
+                true if is_plain => PLAINLY_BETTER,
+                false if is_plain => UPRIGHT_BETTER,
+                // The outline of what leans is larger than what stands there, and its edges are no sides.
+                true if self.foot.is_none() => CLEARLY_BETTER,
+                _ => MUCH_BETTER,
+            };
+            better > explained + gain
+                && encloses < MOST_ENCLOSED
+                && (is_turned || !self.is_lit)
+                && !is_ragged(&fitted.shape, if self.is_lit { 0 } else { FEW_SHORT })
         };
-        let is_taken = better > explained + gain
-            && encloses < MOST_ENCLOSED
-            && (is_turned || !self.is_lit)
-            && !is_ragged(&fitted.shape, if self.is_lit { 0 } else { FEW_SHORT });
+        let fits = COARSER.into_iter().filter_map(|coarser| self.fitted(count, &window, coarser));
+        let fitted = fits.take(TRIED).find(is_better)?;
+        Some(Shaped { obstacle: self.obstacle(fitted), replaces })
+    }
+
+    /// A shape around the cells of a patch that lie inside of its edge, if there is a simple one.
+    pub(super) fn outline(&self, patch: &[usize]) -> Option<Obstacle> {
+        let window = Window::around(patch, self.levels);
+        let fitted = COARSER.into_iter().find_map(|coarser| {
+            let fitted = self.fitted(patch.len(), &window, coarser)?;
+            let area = fitted.shape.area() * self.frame.scale.powi(2);
+            (area < MOST_ENCLOSED * patch.len() as f64).then_some(fitted)
+        })?;
+        Some(self.obstacle(fitted))
+    }
+
+    fn obstacle(&self, fitted: FittedShape) -> Obstacle {
         let margin = [fitted.margin + 0.5 / self.frame.scale; 4];
         let footprint = upright(&fitted.shape).map_or(fitted.shape, Shape::Rect);
-        let obstacle = Obstacle { footprint, margin, height: None };
-        is_taken.then_some(Shaped { obstacle, replaces })
+        Obstacle { footprint, margin, height: None }
     }
 
     /// The boxes that lie in a patch.
@@ -124,12 +147,12 @@ impl Patches<'_> {
         (0..self.boxes.len()).filter(lies_in).collect()
     }
 
-    /// The shape of a patch's outline; `count` is its number of cells.
-    fn fitted(&self, count: usize, window: &Window) -> Option<FittedShape> {
+    /// The shape of a patch's outline, of which `count` cells lie inside; `coarser` multiplies the tolerance.
+    fn fitted(&self, count: usize, window: &Window, coarser: f64) -> Option<FittedShape> {
         let (width, height) = (window.cells.width(), window.cells.height());
         let values = Raster::from_fn(width, height, |x, y| {
             let (column, row) = (window.column + x as i64, window.row + y as i64);
-            let value = self.level(column, row, window);
+            let value = self.levels.get(column, row).unwrap_or(0.0);
             // What belongs to another patch is not this one's outside to any degree.
             if window.holds(column, row) { value } else { value.min(0.999) }
         });
@@ -147,25 +170,7 @@ impl Patches<'_> {
             .into_iter()
             .map(|(column, row)| self.to_border(self.frame.point(left + column, top + row)))
             .collect();
-        fit(&points, TOLERANCE_CELLS / self.frame.scale)
-    }
-
-    /// How far inside of the edge a cell is: at least 1 inside, below 1 outside.
-    fn level(&self, column: i64, row: i64, window: &Window) -> f32 {
-        let at = |x: i64, y: i64| self.distances.get(x, y).unwrap_or(0.0);
-        let distance = at(column, row);
-        if distance <= 0.0 {
-            return 0.0;
-        }
-        let mut greatest = FOREIGN;
-        for y in row - NEAR_CELLS..=row + NEAR_CELLS {
-            for x in column - NEAR_CELLS..=column + NEAR_CELLS {
-                if window.holds(x, y) {
-                    greatest = greatest.max(at(x, y));
-                }
-            }
-        }
-        (distance / (HALF * greatest)).min(distance / FOREIGN)
+        fit(&points, coarser * TOLERANCE_CELLS / self.frame.scale)
     }
 
     /// A point, moved onto the arena's border if it is that near.
@@ -190,15 +195,16 @@ struct Window {
 }
 
 impl Window {
-    fn around(patch: &[usize], raster: &Raster<f32>) -> Self {
-        let width = raster.width();
+    /// The part of `levels` around a patch, with those of its cells that lie inside of its edge.
+    fn around(patch: &[usize], levels: &Raster<f32>) -> Self {
+        let width = levels.width();
         let bounds = around(patch, width);
         let (left, top) =
             (bounds.x0.saturating_sub(AROUND_CELLS), bounds.y0.saturating_sub(AROUND_CELLS));
         let right = (bounds.x1 + AROUND_CELLS).min(width);
-        let low = (bounds.y1 + AROUND_CELLS).min(raster.height());
+        let low = (bounds.y1 + AROUND_CELLS).min(levels.height());
         let mut cells = Raster::filled(right - left, low - top, false);
-        for cell in patch {
+        for cell in patch.iter().filter(|&&cell| levels.cells()[cell] >= 1.0) {
             cells.set((cell % width - left) as i64, (cell / width - top) as i64, true);
         }
         Self { column: left as i64, row: top as i64, cells }
@@ -217,11 +223,15 @@ impl Window {
     }
 }
 
-/// The rectangle that an upright polygon of four corners is.
+/// The rectangle that an upright polygon of four corners is. A thin ell has four corners and upright edges too,
+/// but less than half of the area of what is around it.
 fn upright(shape: &Shape) -> Option<Rect> {
     let Shape::Polygon(polygon) = shape else { return None };
-    let is_rect = polygon.corners().len() == 4 && turned_part(polygon) == 0.0;
-    is_rect.then(|| shape.bounds())
+    let bounds = shape.bounds();
+    let is_rect = polygon.corners().len() == 4
+        && turned_part(polygon) == 0.0
+        && bounds.area() < MOST_ENCLOSED * shape.area();
+    is_rect.then_some(bounds)
 }
 
 /// Whether a polygon has many corners and `most` short edges between them at least, as noise and shadow
@@ -253,4 +263,20 @@ fn turned_part(polygon: &Polygon) -> f64 {
         }
     }
     turned / all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thin_ell_of_four_corners_is_no_upright_rectangle() {
+        let polygon = |corners: &[[f64; 2]]| {
+            Shape::Polygon(Polygon::new(corners.iter().map(|&at| at.into()).collect()).unwrap())
+        };
+        let ell = polygon(&[[0.4, 0.0], [0.405, 0.798], [0.6, 0.8], [0.4, 0.803]]);
+        assert_eq!(upright(&ell), None);
+        let nearly = polygon(&[[0.4, 0.0], [0.5, 0.001], [0.5, 0.3], [0.401, 0.3]]);
+        assert_eq!(upright(&nearly), Some(Rect::new(0.4, 0.0, 0.5, 0.3)));
+    }
 }

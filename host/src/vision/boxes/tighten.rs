@@ -6,7 +6,7 @@
 //! frame, profiles in linear light at the photo's own resolution.
 
 use super::refine::{Bounded, at};
-use crate::geometry::Rect;
+use crate::geometry::{Rect, Side};
 use crate::vision::appearance::{FOREIGN, Look};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::Photo;
@@ -36,22 +36,24 @@ impl Tightener<'_> {
         let Bounded { rect, margin } = bounded;
         let outer: [f64; 4] = rect.into();
         let mut edges = outer;
-        for (low, high) in [(0, 2), (1, 3)] {
-            if let Some((from, to)) = self.half_way(rect, low) {
+        for side in [Side::Left, Side::Lower] {
+            let (low, high) = (side.edge(), side.opposite().edge());
+            if let Some((from, to)) = self.half_way(rect, side) {
                 (edges[low], edges[high]) = (outer[low].max(from), outer[high].min(to));
             }
         }
-        let margin = [0, 1, 2, 3].map(|side| margin[side] + (edges[side] - outer[side]).abs());
+        let margin = [0, 1, 2, 3].map(|edge| margin[edge] + (edges[edge] - outer[edge]).abs());
         Bounded { rect: edges.into(), margin }
     }
 
-    /// Where the mean profile across a rectangle, from the side `low` to the opposite one, is half-way between
+    /// Where the mean profile across a rectangle, from `side` to the opposite one, is half-way between
     /// the floor and what differs most from it.
-    fn half_way(&self, rect: Rect, low: usize) -> Option<(f64, f64)> {
+    fn half_way(&self, rect: Rect, side: Side) -> Option<(f64, f64)> {
         let edges: [f64; 4] = rect.into();
-        let across = edges[low + 2] - edges[low];
+        let low = edges[side.edge()];
+        let across = edges[side.opposite().edge()] - low;
         let beyond = BEYOND / self.look.view.scale;
-        let scale = self.map.scale_at(at(rect, low, 0.5, 0.0));
+        let scale = self.map.scale_at(at(rect, side, 0.5, 0.0));
         let count = ((across + 2.0 * beyond) * scale / SAMPLE_STEP) as usize;
         if !(8..MOST_SAMPLES).contains(&count) {
             return None;
@@ -63,7 +65,7 @@ impl Tightener<'_> {
         for place in 0..PLACES {
             let along = (place as f64 + 0.5) / PLACES as f64;
             let is_floor = |index: usize| {
-                let point = at(rect, low, along, -inward(index));
+                let point = at(rect, side, along, -inward(index));
                 self.look.difference_at(point).is_some_and(|difference| difference.lit <= FOREIGN)
             };
             if !is_floor(0) || !is_floor(count - 1) {
@@ -72,7 +74,7 @@ impl Tightener<'_> {
             places += 1;
             for (index, sum) in sums.iter_mut().enumerate() {
                 let light =
-                    self.photo.light(self.map.to_photo(at(rect, low, along, -inward(index))));
+                    self.photo.light(self.map.to_photo(at(rect, side, along, -inward(index))));
                 sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
         }
@@ -81,7 +83,7 @@ impl Tightener<'_> {
         }
         let (from, to) = crossings(&departures(&sums))?;
         let place =
-            |index: f64| edges[low] + (across + 2.0 * beyond) * index / (count - 1) as f64 - beyond;
+            |index: f64| low + (across + 2.0 * beyond) * index / (count - 1) as f64 - beyond;
         Some((place(from), place(to)))
     }
 }

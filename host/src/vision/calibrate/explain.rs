@@ -9,7 +9,7 @@ use super::KnownOfCamera;
 use super::model::{Prior, Problem, Unknown};
 use super::observe::ObservedBorder;
 use super::solve::{Solution, solve, starts};
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Arena, Point, Side};
 use crate::vision::camera::{FOCAL_SPREAD, USUAL_FOCAL};
 
 /// How far the principal point usually lies from the picture's centre, a share of the picture's width.
@@ -36,7 +36,7 @@ pub(super) struct Explained<'a> {
     best: Solution<'a>,
     others: Vec<(f64, Solution<'a>)>,
     /// The side that the likeliest explanation takes for mistaken.
-    pub(super) mistaken: Option<usize>,
+    pub(super) mistaken: Option<Side>,
 }
 
 impl<'a> Explained<'a> {
@@ -68,8 +68,9 @@ pub(super) fn explain<'a>(
     let start = [sound.state.clone()];
     let mut all = vec![(sound.evidence(), None, sound)];
     // Corners that a person has pointed at are not mistaken.
-    let sides = if views.first()?.iter().any(|border| border.by_hand()) { 0..0 } else { 0..4 };
-    all.extend(sides.filter_map(|side| {
+    let by_hand = views.first()?.iter().any(|border| border.by_hand());
+    let sides: &[Side] = if by_hand { &[] } else { &Side::ALL };
+    all.extend(sides.iter().filter_map(|&side| {
         let found = solve(problem(arena, views, known, Some(side))?, &start)?;
         let company = views[0].iter().map(|border| border.company[side]).fold(0.0, f64::max);
         Some((found.evidence() + odds(company).ln(), Some(side), found))
@@ -96,7 +97,7 @@ fn problem<'a>(
     arena: Arena,
     views: &'a [Vec<&'a ObservedBorder>],
     known: KnownOfCamera,
-    mistaken: Option<usize>,
+    mistaken: Option<Side>,
 ) -> Option<Problem<'a>> {
     let [width, height] = views.first()?.first()?.size.map(|count| count as f64);
     let zoom = (width / 640.0).max(1.0);
@@ -125,8 +126,7 @@ fn problem<'a>(
         // Two ends that are off independently make their mean and half their difference so.
         let share = std::f64::consts::FRAC_1_SQRT_2;
         let usual = first.side_blurs.map(|blur| share * blur.hypot(SIDE_TAPE * scale));
-        let offset = |i: usize| {
-            let (side, which) = (i / 2, i % 2);
+        let offset = |(side, which): (Side, usize)| {
             let spread = if mistaken == Some(side) && stand == 0 {
                 [MISTAKEN_SHIFT, MISTAKEN_SLANT][which] * zoom
             } else {
@@ -134,7 +134,8 @@ fn problem<'a>(
             };
             Prior { unknown: Unknown::Offset { stand, side, which }, value: 0.0, spread }
         };
-        priors.extend((0..8).map(offset));
+        let ends = Side::ALL.into_iter().flat_map(|side| [(side, 0), (side, 1)]);
+        priors.extend(ends.map(offset));
     }
     Some(Problem { arena, views, priors })
 }

@@ -25,7 +25,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use crate::geometry::Arena;
+use crate::geometry::{Arena, Side};
 use crate::vision::camera::{Camera, CameraModel, CameraSpread};
 use crate::vision::error::VisionError;
 use explain::{Explained, explain};
@@ -66,7 +66,7 @@ pub struct CalibratedCamera {
     pub strain: f64,
     /// The side of the border that was taken for another edge, as far as can be told: 0 lower, 1 right, 2
     /// upper, 3 left.
-    pub mistaken: Option<usize>,
+    pub mistaken: Option<Side>,
     /// How many steps of light count, of all four sides and pictures.
     pub steps: usize,
 }

@@ -14,8 +14,9 @@
 //! Unknowns: ln f, c, k, and for each place of the camera a turn, p and the sides' shifts and slants.
 
 use super::observe::{ObservedBorder, Sighting};
-use crate::geometry::Arena;
+use crate::geometry::{Arena, PerSide, Side};
 use crate::vision::camera::{PlanMap, columns, side_point};
+use crate::vision::least_squares::tukey;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, SVector, Vector3};
 
 /// Unknowns of the lens: ln f, c, k.
@@ -42,7 +43,7 @@ pub(super) struct Stand {
     pub(super) position: Vector3<f64>,
     /// For sides 0..3: the shift of their middle, and by how much more their last end is shifted, pixels
     /// along the normal.
-    pub(super) offsets: [[f64; 2]; 4],
+    pub(super) offsets: PerSide<[f64; 2]>,
 }
 
 /// All unknowns.
@@ -75,7 +76,7 @@ pub(super) enum Unknown {
     /// The shift (0) or slant (1) of a side.
     Offset {
         stand: usize,
-        side: usize,
+        side: Side,
         which: usize,
     },
 }
@@ -103,7 +104,7 @@ impl Stand {
         let rotation = Matrix3::from_columns(&[x, y, x.cross(&y)]);
         let position = -(rotation.transpose() * t * scale);
         let rotation = Rotation3::from_matrix_unchecked(rotation);
-        Some(Self { rotation, position, offsets: [[0.0; 2]; 4] })
+        Some(Self { rotation, position, offsets: PerSide::all([0.0; 2]) })
     }
 
     fn moved(&self, change: [f64; MOVES]) -> Self {
@@ -145,8 +146,10 @@ impl State {
         let stands = (0..).zip(&self.stands).map(|(index, stand): (usize, _)| {
             let first = LENS + STAND * index;
             let mut moved = stand.moved([0, 1, 2, 3, 4, 5].map(|i| change[first + i]));
-            for (i, offset) in moved.offsets.as_flattened_mut().iter_mut().enumerate() {
-                *offset += change[first + MOVES + i];
+            for side in Side::ALL {
+                for which in 0..2 {
+                    moved.offsets[side][which] += change[offset_index(index, side, which)];
+                }
             }
             moved
         });
@@ -176,9 +179,14 @@ impl Unknown {
             Self::X => LENS + 3,
             Self::Y => LENS + 4,
             Self::Height => LENS + 5,
-            Self::Offset { stand, side, which } => LENS + STAND * stand + MOVES + 2 * side + which,
+            Self::Offset { stand, side, which } => offset_index(stand, side, which),
         }
     }
+}
+
+/// Where among the unknowns the shift (0) or slant (1) of a side is.
+fn offset_index(stand: usize, side: Side, which: usize) -> usize {
+    LENS + STAND * stand + MOVES + 2 * side as usize + which
 }
 
 /// The observations and what is known beforehand.
@@ -187,12 +195,6 @@ pub(super) struct Problem<'a> {
     /// For each place of the camera what was seen from there.
     pub(super) views: &'a [Vec<&'a ObservedBorder>],
     pub(super) priors: Vec<Prior>,
-}
-
-/// How far `distance` pulls, in Tukey's way: less the farther off, not at all beyond `reach`.
-fn weight(distance: f64, reach: f64) -> f64 {
-    let ratio = distance / reach;
-    if ratio.abs() < 1.0 { (1.0 - ratio * ratio).powi(2) } else { 0.0 }
 }
 
 impl Problem<'_> {
@@ -214,7 +216,7 @@ impl Problem<'_> {
     /// The weights of all sightings, 0 for those off by `reach` times their noise.
     pub(super) fn weights(&self, state: &State, reach: f64) -> Vec<f64> {
         let seen = self.distances(state).into_iter().zip(self.sightings());
-        seen.map(|(far, (_, of))| weight(far, reach * of.noise) / (of.noise * of.noise)).collect()
+        seen.map(|(far, (_, of))| tukey(far / (reach * of.noise)) / (of.noise * of.noise)).collect()
     }
 
     /// The sum of squares of the sightings, by their weights, and of the priors, in standard deviations.
@@ -268,8 +270,8 @@ impl Problem<'_> {
                 *slope = (expected(more) - expected(less)) / (2.0 * NUDGE);
             }
             let [by_shift, by_slant] = sighting.shares();
-            row[LENS + MOVES + 2 * sighting.side] = by_shift;
-            row[LENS + MOVES + 2 * sighting.side + 1] = by_slant;
+            row[LENS + MOVES + 2 * sighting.side as usize] = by_shift;
+            row[LENS + MOVES + 2 * sighting.side as usize + 1] = by_slant;
             // The lens comes first, then the unknowns of all places.
             let place = |i: usize| if i < LENS { i } else { i + STAND * stand };
             for i in 0..LENS + STAND {

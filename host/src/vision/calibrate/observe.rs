@@ -1,7 +1,7 @@
 //! What one picture shows of the border: many steps of light along its four sides.
 
-use crate::geometry::Arena;
-use crate::vision::border::{self, changes, check_arena, company, given};
+use crate::geometry::{Arena, PerSide, Side};
+use crate::vision::border::{self, By, changes, check_arena, company, given};
 use crate::vision::camera::PlanMap;
 use crate::vision::camera::border_fit::{self, Search, Terms, side_point};
 use crate::vision::error::VisionError;
@@ -9,7 +9,7 @@ use crate::vision::image::{Photo, check_overview};
 
 /// How far from the border that was found a step of light belongs to it, pixels at a width of 640.
 const REACH: f64 = 2.5;
-/// With corners given by hand, steps are sought within these shrinking distances, pixels at a width of 640:
+/// With corners given by hand, steps are searched for within these shrinking distances, pixels at a width of 640:
 /// lenses bend sides by some pixels.
 const NEAR_CORNERS: [f64; 3] = [6.0, 4.0, 2.5];
 /// A step of light is good to this, and a corner that a person points at to this, pixels at a width of 640.
@@ -29,8 +29,7 @@ const ALONG_STEP: f64 = 1e-3;
 /// A step of light on a side of the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sighting {
-    /// 0 lower, 1 right, 2 upper, 3 left.
-    pub(super) side: usize,
+    pub(super) side: Side,
     /// Where along the side, counter-clockwise, 0 to 1.
     pub(super) along: f64,
     pub(super) pixel: [f64; 2],
@@ -54,19 +53,13 @@ impl Sighting {
     }
 
     /// A step at `pixel`, which `map` takes to about the side, exact to `noise` pixels.
-    pub(super) fn at(
-        map: &PlanMap,
-        arena: Arena,
-        side: usize,
-        pixel: [f64; 2],
-        noise: f64,
-    ) -> Self {
+    pub(super) fn at(map: &PlanMap, arena: Arena, side: Side, pixel: [f64; 2], noise: f64) -> Self {
         let floor = map.to_floor(pixel);
         let along = match side {
-            0 => floor.x / arena.width,
-            1 => floor.y / arena.height,
-            2 => 1.0 - floor.x / arena.width,
-            _ => 1.0 - floor.y / arena.height,
+            Side::Lower => floor.x / arena.width,
+            Side::Right => floor.y / arena.height,
+            Side::Upper => 1.0 - floor.x / arena.width,
+            Side::Left => 1.0 - floor.y / arena.height,
         };
         let [a, b] = [-ALONG_STEP, ALONG_STEP]
             .map(|step| map.to_photo(side_point(arena, side, along + step, 0.0)));
@@ -85,9 +78,9 @@ pub struct ObservedBorder {
     pub(super) map: PlanMap,
     pub(super) sightings: Vec<Sighting>,
     /// How far an end of each side may be off as a whole, pixels.
-    pub(super) side_blurs: [f64; 4],
+    pub(super) side_blurs: PerSide<f64>,
     /// For each side how much of another edge is seen close beside it, a share of its own.
-    pub(super) company: [f64; 4],
+    pub(super) company: PerSide<f64>,
 }
 
 impl ObservedBorder {
@@ -107,7 +100,7 @@ impl ObservedBorder {
         let zoom = (photo.width() as f64 / 640.0).max(1.0);
         let map = match corners {
             Some(corners) => near(photo, arena, corners, zoom)?,
-            None => border::find(photo, &small, arena)?.map,
+            None => border::find(photo, &small, arena, None)?.map,
         };
         let change = Some(changes(photo, &map, arena, BESIDE * zoom));
         let steps =
@@ -140,12 +133,12 @@ impl ObservedBorder {
 
 /// The ends of the sides that meet in corners that a person has pointed at.
 fn pointed(map: &PlanMap, arena: Arena, corners: [[f64; 2]; 4], noise: f64) -> Vec<Sighting> {
-    let end = |side: usize, end: usize| {
-        let pixel = corners[(side + end) % 4];
+    let end = |side: Side, end: usize| {
+        let pixel = corners[(side as usize + end) % 4];
         let sighting = Sighting::at(map, arena, side, pixel, noise);
         Sighting { along: end as f64, by_hand: true, ..sighting }
     };
-    (0..8).map(|i| end(i / 2, i % 2)).collect()
+    Side::ALL.into_iter().flat_map(|side| [0, 1].map(|which| end(side, which))).collect()
 }
 
 /// The map of corners that the user gave, with the lens that the steps of light near the sides show.
@@ -155,7 +148,7 @@ fn near(
     corners: [[f64; 2]; 4],
     zoom: f64,
 ) -> Result<PlanMap, VisionError> {
-    let mut map = given(photo, arena, corners)?;
+    let mut map = given(photo, arena, corners, (By::Hand, None))?.map;
     for reach in NEAR_CORNERS {
         let search = Search { reach: reach * zoom, change: None };
         let steps = border_fit::steps(photo, &map, arena, &search, 1);

@@ -2,7 +2,7 @@
 
 use super::observe::Sighting;
 use super::*;
-use crate::geometry::Point;
+use crate::geometry::{PerSide, Point, Side};
 use crate::vision::camera::border_fit::side_point;
 use crate::vision::{Photo, PlanMap};
 
@@ -49,12 +49,12 @@ impl Truth {
     }
 
     /// The border as this camera shows it; `shift` moves each step along its side's normal, pixels.
-    fn border(&self, mut shift: impl FnMut(usize, f64) -> f64) -> ObservedBorder {
+    fn border(&self, mut shift: impl FnMut(Side, f64) -> f64) -> ObservedBorder {
         let photo = Photo::from_rgb(SIZE[0], SIZE[1], vec![[0; 3]; SIZE[0] * SIZE[1]]).unwrap();
         let corner = |side| self.pixel(side_point(ARENA, side, 0.0, 0.0));
-        let map = PlanMap::from_seen_corners(&photo, ARENA, [0, 1, 2, 3].map(corner), 0.0).unwrap();
+        let map = PlanMap::from_seen_corners(&photo, ARENA, Side::ALL.map(corner), 0.0).unwrap();
         let sighting = |i: usize| {
-            let (side, along) = (i / STEPS, ((i % STEPS) as f64 + 0.5) / STEPS as f64);
+            let (side, along) = (Side::ALL[i / STEPS], ((i % STEPS) as f64 + 0.5) / STEPS as f64);
             let pixel = self.pixel(side_point(ARENA, side, along, 0.0));
             let seen = Sighting::at(&map, ARENA, side, pixel, 0.4);
             let by = shift(side, along);
@@ -62,7 +62,13 @@ impl Truth {
             Sighting { pixel, along, ..seen }
         };
         let sightings = (0..4 * STEPS).map(sighting).collect();
-        ObservedBorder { size: SIZE, map, sightings, side_blurs: [0.3; 4], company: [0.0; 4] }
+        ObservedBorder {
+            size: SIZE,
+            map,
+            sightings,
+            side_blurs: PerSide::all(0.3),
+            company: PerSide::all(0.0),
+        }
     }
 }
 
@@ -134,9 +140,10 @@ fn errors_are_as_large_as_the_standard_deviations_say() {
             centre: [about(319.5, 6.4), about(239.5, 6.4)],
             k1: about(0.0, 0.1),
         };
-        let ends: Vec<f64> = (0..8).map(|_| about(0.0, 0.35)).collect();
+        let ends = PerSide::from_fn(|_| [about(0.0, 0.35), about(0.0, 0.35)]);
         let border = truth.border(|side, along| {
-            about(0.0, 0.3) + ends[2 * side] * (1.0 - along) + ends[2 * side + 1] * along
+            let [start, end] = ends[side];
+            about(0.0, 0.3) + start * (1.0 - along) + end * along
         });
         let tape = about(truth.position[2], 0.01);
         let found = calibrate_camera(ARENA, &[border], &[], height(tape)).unwrap();
@@ -163,8 +170,9 @@ const TILTED: Truth =
 #[test]
 fn a_mistaken_side_makes_the_camera_less_sure_and_hardly_wrong() {
     // The lower side's shadow, three pixels inside of it.
-    let border = TILTED.border(|side, _| if side == 0 { 3.0 } else { 0.0 });
-    let border = ObservedBorder { company: [0.3, 0.0, 0.3, 0.0], ..border };
+    let border = TILTED.border(|side, _| if side == Side::Lower { 3.0 } else { 0.0 });
+    let beset = |side| if matches!(side, Side::Lower | Side::Upper) { 0.3 } else { 0.0 };
+    let border = ObservedBorder { company: PerSide::from_fn(beset), ..border };
     let found = calibrate_camera(ARENA, &[border], &[], height(3.1)).unwrap();
     let sound = calibrate_camera(ARENA, &[exact(TILTED)], &[], height(3.1)).unwrap();
     assert!(found.mistaken.is_some() && sound.mistaken.is_none(), "{found:?}");

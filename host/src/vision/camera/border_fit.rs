@@ -7,9 +7,10 @@
 
 use super::floor_map::PlanMap;
 use super::pose::Viewpoint;
-use crate::geometry::{Arena, Point};
+use crate::geometry::{Arena, PerSide, Point, Side};
 use crate::vision::image::{Photo, step};
-use nalgebra::{SMatrix, SVector};
+use crate::vision::least_squares::{NormalEquations, tukey};
+use nalgebra::SVector;
 
 /// Profiles on each side of the arena.
 pub(crate) const PLACES: usize = 80;
@@ -29,26 +30,16 @@ const SETTLED: f64 = 0.002;
 /// An observed step is good to this, pixels.
 const STEP_NOISE: f64 = 0.4;
 
-/// A place on a side of the arena: sides 0..3 are lower, right, upper, left.
+/// A place on a side of the arena.
 ///
 /// `along` runs from 0 to 1 counter-clockwise, `inward` is the distance from the side, metres.
-pub(crate) fn side_point(arena: Arena, side: usize, along: f64, inward: f64) -> Point {
+pub(crate) fn side_point(arena: Arena, side: Side, along: f64, inward: f64) -> Point {
     let Arena { width, height } = arena;
     match side {
-        0 => Point::new(along * width, inward),
-        1 => Point::new(width - inward, along * height),
-        2 => Point::new((1.0 - along) * width, height - inward),
-        _ => Point::new(inward, (1.0 - along) * height),
-    }
-}
-
-/// How far a point lies inward from a side, metres.
-pub(crate) fn inward(arena: Arena, side: usize, point: Point) -> f64 {
-    match side {
-        0 => point.y,
-        1 => arena.width - point.x,
-        2 => arena.height - point.y,
-        _ => point.x,
+        Side::Lower => Point::new(along * width, inward),
+        Side::Right => Point::new(width - inward, along * height),
+        Side::Upper => Point::new((1.0 - along) * width, height - inward),
+        Side::Left => Point::new(inward, (1.0 - along) * height),
     }
 }
 
@@ -57,20 +48,20 @@ pub(crate) fn along(place: usize) -> f64 {
     CORNER_SHARE + (1.0 - 2.0 * CORNER_SHARE) * (place as f64 + 0.5) / PLACES as f64
 }
 
-/// Where the step of a profile is sought, and which step counts.
+/// Where the step of a profile is searched for, and which step counts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
     /// How far from the map's sides a step may be, pixels.
     pub(crate) reach: f64,
     /// The change of linear light from inside to outside on each side; `None` takes the greatest step
     /// of any colour.
-    pub(crate) change: Option<[[f32; 3]; 4]>,
+    pub(crate) change: Option<PerSide<[f32; 3]>>,
 }
 
 /// A step of brightness seen at one place of a side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
-    pub(crate) side: usize,
+    pub(crate) side: Side,
     pub(crate) pixel: [f64; 2],
 }
 
@@ -85,7 +76,7 @@ pub(crate) fn steps(
     let mut steps = Vec::with_capacity(4 * PLACES / stride);
     let count = (2.0 * search.reach / SAMPLE_STEP) as usize + 4;
     let mut lights = Vec::with_capacity(count);
-    for side in 0..4 {
+    for side in Side::ALL {
         let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
         let change = search.change.map(|changes| changes[side]);
         let first = (search.reach + 2.0 * SAMPLE_STEP) / scale;
@@ -114,7 +105,7 @@ pub(crate) struct Fit {
     /// The root mean square of the inliers' distances, pixels.
     pub(crate) residual: f64,
     /// The share of all profiles of each side whose step fits.
-    pub(crate) shares: [f64; 4],
+    pub(crate) shares: PerSide<f64>,
 }
 
 /// What counts when a map is fitted to steps.
@@ -127,7 +118,7 @@ pub(crate) struct Terms {
     /// Every so many-th place was looked at for steps.
     pub(crate) stride: usize,
     /// The side whose steps do not count.
-    pub(crate) without: Option<usize>,
+    pub(crate) without: Option<Side>,
     /// Whether the map should be one that a camera has, [`Viewpoint::conditions`]; its focal length is
     /// then fitted too.
     pub(crate) camera: bool,
@@ -149,10 +140,10 @@ pub(crate) fn fit(
             break;
         }
     }
-    let (mut sum, mut count, mut shares) = (0.0, 0usize, [0.0; 4]);
+    let (mut sum, mut count, mut shares) = (0.0, 0usize, PerSide::all(0.0));
     for step in steps {
         let point = map.to_floor(step.pixel);
-        let distance = inward(arena, step.side, point) * map.scale_at(point);
+        let distance = arena.inward(step.side, point) * map.scale_at(point);
         if distance.abs() < terms.width {
             sum += distance * distance;
             count += 1;
@@ -195,18 +186,18 @@ fn gauss_newton(
         change[parameter] = NUDGE;
         nudged.push(with(&change)?);
     }
-    let mut sums = Sums::new();
+    let mut sums = NormalEquations::new(DAMPING);
     for step in steps.iter().filter(|step| Some(step.side) != terms.without) {
         let ideal = map.unbend(step.pixel);
         let scale = map.scale_at(map.ideal_to_floor(ideal));
         let outward =
-            |map: &PlanMap, ideal| -inward(arena, step.side, map.ideal_to_floor(ideal)) * scale;
+            |map: &PlanMap, ideal| -arena.inward(step.side, map.ideal_to_floor(ideal)) * scale;
         let now = outward(map, ideal);
         let ratio = now / terms.width;
         if ratio.abs() >= 1.0 {
             continue;
         }
-        let weight = (1.0 - ratio * ratio).powi(2) / (STEP_NOISE * STEP_NOISE);
+        let weight = tukey(ratio) / (STEP_NOISE * STEP_NOISE);
         // Moved corners leave the lens as it is; only its own parameter changes it.
         let other_lens = if terms.lens { nudged[LENS].unbend(step.pixel) } else { ideal };
         let row = SVector::from_fn(|i, _| match i {
@@ -214,48 +205,33 @@ fn gauss_newton(
             LENS => (outward(&nudged[LENS], other_lens) - now) / NUDGE,
             _ => (outward(&nudged[i], ideal) - now) / NUDGE,
         });
-        sums.add(row, now, weight);
+        sums.add(row, -now, weight);
     }
     let usual = if terms.lens { 1.0 / (100.0 * RADIAL_SPREAD).powi(2) } else { 1e12 };
     let stays = if terms.lens { 100.0 * map.radial() } else { 0.0 };
-    sums.add(SVector::ith(LENS, 1.0), stays, usual);
+    sums.add_prior(LENS, -stays, usual);
     if terms.camera {
-        sums.add_camera(photo, map, &nudged);
+        add_camera(&mut sums, photo, map, &nudged);
     }
-    let change = sums.normal.cholesky()?.solve(&sums.right);
+    let change = sums.solve()?;
     Some((with(&change)?, change.fixed_rows::<FOCAL>(0).amax()))
 }
 
-/// The sums of the normal equations.
-struct Sums {
-    normal: SMatrix<f64, PARAMETERS, PARAMETERS>,
-    right: SVector<f64, PARAMETERS>,
-}
-
-impl Sums {
-    fn new() -> Self {
-        Self { normal: SMatrix::identity() * DAMPING, right: SVector::zeros() }
-    }
-
-    /// Adds a residual with its derivatives.
-    fn add(&mut self, row: SVector<f64, PARAMETERS>, residual: f64, weight: f64) {
-        self.normal += weight * row * row.transpose();
-        self.right -= weight * residual * row;
-    }
-
-    /// Adds the conditions of a camera with about the likeliest focal length.
-    fn add_camera(&mut self, photo: &Photo, map: &PlanMap, nudged: &[PlanMap]) {
-        let focal = Viewpoint::likeliest_focal(photo, map);
-        let now = Viewpoint::conditions(photo, map, focal);
-        let longer = Viewpoint::conditions(photo, map, focal * NUDGE.exp());
-        let moved: Vec<_> =
-            nudged.iter().map(|map| Viewpoint::conditions(photo, map, focal)).collect();
-        for (index, &residual) in now.iter().enumerate() {
-            let row = SVector::from_fn(|i, _| {
-                (moved.get(i).unwrap_or(&longer)[index] - residual) / NUDGE
-            });
-            self.add(row, residual, 1.0);
-        }
+/// Adds the conditions of a camera with about the likeliest focal length.
+fn add_camera(
+    sums: &mut NormalEquations<PARAMETERS>,
+    photo: &Photo,
+    map: &PlanMap,
+    nudged: &[PlanMap],
+) {
+    let focal = Viewpoint::likeliest_focal(photo, map);
+    let now = Viewpoint::conditions(photo, map, focal);
+    let longer = Viewpoint::conditions(photo, map, focal * NUDGE.exp());
+    let moved: Vec<_> = nudged.iter().map(|map| Viewpoint::conditions(photo, map, focal)).collect();
+    for (index, &residual) in now.iter().enumerate() {
+        let row =
+            SVector::from_fn(|i, _| (moved.get(i).unwrap_or(&longer)[index] - residual) / NUDGE);
+        sums.add(row, -residual, 1.0);
     }
 }
 
@@ -314,7 +290,13 @@ mod tests {
             let mut map = PlanMap::from_seen_corners(&photo, ARENA, wrong, 0.0).unwrap();
             for _ in 0..4 {
                 let found = steps(&photo, &map, ARENA, &Search { reach: 3.0, change: None }, 1);
-                let terms = Terms { width: 3.0, lens: false, stride: 1, without: Some(2), camera };
+                let terms = Terms {
+                    width: 3.0,
+                    lens: false,
+                    stride: 1,
+                    without: Some(Side::Upper),
+                    camera,
+                };
                 map = fit(&photo, ARENA, &map, &found, terms).unwrap().map;
             }
             let upper = map.seen_corners(ARENA).into_iter().zip(truth).skip(2);
@@ -327,9 +309,9 @@ mod tests {
 
     #[test]
     fn sides_run_counter_clockwise() {
-        assert_eq!(side_point(ARENA, 1, 0.25, 0.1), Point::new(1.4, 0.25));
+        assert_eq!(side_point(ARENA, Side::Right, 0.25, 0.1), Point::new(1.4, 0.25));
         assert_eq!(
-            inward(ARENA, 2, side_point(ARENA, 2, 0.3, 0.2)),
+            ARENA.inward(Side::Upper, side_point(ARENA, Side::Upper, 0.3, 0.2)),
             ARENA.height - (ARENA.height - 0.2)
         );
     }

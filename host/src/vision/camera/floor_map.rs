@@ -7,6 +7,7 @@
 
 use crate::geometry::{Arena, Point};
 use crate::vision::image::Photo;
+use crate::vision::least_squares::NormalEquations;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Steps of the fixed-point iteration that undoes the lens; each gains a factor of 2 |λ|.
@@ -50,6 +51,22 @@ impl PlanMap {
         let map = Self { to_ideal, to_floor, centre, half_width: unit, radial };
         let finite = to_floor.iter().chain(to_ideal.iter()).all(|value| value.is_finite());
         (finite && radial.is_finite()).then_some(map)
+    }
+
+    /// The map, before any lens, that takes floor points to about their pixels: the least squares of the linear
+    /// equations of a homography.
+    pub(crate) fn through(photo: &Photo, points: &[(Point, [f64; 2])]) -> Option<Self> {
+        // With pixels in widths of the photo all numbers are about 1.
+        let unit = photo.width() as f64;
+        let mut sums = NormalEquations::<8>::new(0.0);
+        for (point, pixel) in points {
+            for (row, value) in equations([point.x, point.y], pixel.map(|value| value / unit)) {
+                sums.add(SVector::from(row), value, 1.0);
+            }
+        }
+        let scaled = matrix_of(&sums.solve()?)?;
+        let to_ideal = Matrix3::from_diagonal(&Vector3::new(unit, unit, 1.0)) * scaled;
+        Self::with_lens(to_ideal, photo.centre(), unit / 2.0, 0.0)
     }
 
     /// The same, from corners as the photo shows them.
@@ -163,17 +180,25 @@ pub(crate) fn corner_points(arena: Arena) -> [[f64; 2]; 4] {
 pub fn homography(from: [[f64; 2]; 4], to: [[f64; 2]; 4]) -> Option<Matrix3<f64>> {
     let mut system = SMatrix::<f64, 8, 8>::zeros();
     let mut right = SVector::<f64, 8>::zeros();
-    for (index, ([x, y], [u, v])) in from.into_iter().zip(to).enumerate() {
-        let row = [x, y, 1.0, 0.0, 0.0, 0.0, -u * x, -u * y];
-        let next = [0.0, 0.0, 0.0, x, y, 1.0, -v * x, -v * y];
-        for column in 0..8 {
-            system[(2 * index, column)] = row[column];
-            system[(2 * index + 1, column)] = next[column];
+    for (index, (from, to)) in from.into_iter().zip(to).enumerate() {
+        for (which, (row, value)) in equations(from, to).into_iter().enumerate() {
+            system.set_row(2 * index + which, &SVector::from(row).transpose());
+            right[2 * index + which] = value;
         }
-        right[2 * index] = u;
-        right[2 * index + 1] = v;
     }
-    let h = system.lu().solve(&right)?;
+    matrix_of(&system.lu().solve(&right)?)
+}
+
+/// The two linear equations, coefficients and value, for a homography's first eight numbers that takes one point to
+/// another.
+fn equations([x, y]: [f64; 2], [u, v]: [f64; 2]) -> [([f64; 8], f64); 2] {
+    [
+        ([x, y, 1.0, 0.0, 0.0, 0.0, -u * x, -u * y], u),
+        ([0.0, 0.0, 0.0, x, y, 1.0, -v * x, -v * y], v),
+    ]
+}
+
+fn matrix_of(h: &SVector<f64, 8>) -> Option<Matrix3<f64>> {
     let matrix = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0);
     matrix.iter().all(|value| value.is_finite()).then_some(matrix)
 }

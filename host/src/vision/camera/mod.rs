@@ -9,4 +9,6 @@ mod pose;
 pub(crate) use border_fit::side_point;
 pub use floor_map::{PlanMap, homography};
 pub use model::{Camera, CameraModel, CameraSpread};
-pub(crate) use pose::{FOCAL_SPREAD, USUAL_FOCAL, Viewpoint, columns};
+pub(crate) use pose::{
+    COLUMN_NOISE, FOCAL_SPREAD, STATED_NOISE, StatedFit, USUAL_FOCAL, Viewpoint, columns,
+};

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// How rays reach the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum CameraModel {
     /// Through one point, as in any real camera.
@@ -23,6 +24,7 @@ pub enum CameraModel {
 
 /// A camera at a known pose over the arena.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Camera {
     /// How rays reach the picture.
     pub model: CameraModel,
@@ -49,6 +51,7 @@ const CALIBRATED: f64 = 0.02;
 
 /// The standard deviations of a camera's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CameraSpread {
     /// Of the focal length, pixels.
     pub focal: f64,

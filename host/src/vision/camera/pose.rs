@@ -6,7 +6,7 @@
 //! lies at the picture's centre. A usual focal length is therefore taken as a weak prior.
 
 use super::floor_map::PlanMap;
-use crate::geometry::Point;
+use crate::geometry::{Arena, Point};
 use crate::vision::image::Photo;
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,14 +15,16 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) const USUAL_FOCAL: f64 = 1.05;
 pub(crate) const FOCAL_SPREAD: f64 = 0.3;
 /// How far the columns' angle (radians) and ratio of lengths may be off.
-const COLUMN_NOISE: f64 = 0.002;
+pub(crate) const COLUMN_NOISE: f64 = 0.002;
 /// The same where the arena's size is stated by people, who measure its sides to about 1 %.
-const STATED_NOISE: f64 = 0.01;
+pub(crate) const STATED_NOISE: f64 = 0.01;
 /// A rectangle's angles are off by less than this, standard deviations.
 const MOST_ANGLE: f64 = 3.0;
 /// Focal lengths that are tried, in steps of this factor.
 const FOCAL_STEP: f64 = 1.02;
 const FOCAL_RANGE: std::ops::Range<f64> = 0.4..4.0;
+/// The camera is at least so far above what it sees, metres.
+const LEAST_ABOVE: f64 = 1e-3;
 /// A foot point is known no better than this, metres: the axis may miss the picture's centre.
 const LEAST_SPREAD: f64 = 0.05;
 
@@ -37,7 +39,35 @@ pub(crate) struct Viewpoint {
     pub(crate) spread: f64,
 }
 
+/// How four corners differ from those of the stated arena as a camera sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StatedFit {
+    /// How far the angle between its sides is off, radians.
+    pub(crate) angle: f64,
+    /// How much longer its width is seen against its height than was stated, a natural logarithm.
+    pub(crate) ratio: f64,
+}
+
+impl StatedFit {
+    /// The two together.
+    pub(crate) fn off(self) -> f64 {
+        self.angle.hypot(self.ratio)
+    }
+
+    /// The ratio of width to height that is seen, if what is seen is about a rectangle at all.
+    pub(crate) fn seen_ratio(self, arena: Arena) -> Option<f64> {
+        let rectangle = self.angle.abs() < MOST_ANGLE * STATED_NOISE;
+        rectangle.then(|| self.ratio.exp() * arena.width / arena.height)
+    }
+}
+
 impl Viewpoint {
+    /// How many times larger, and farther from the foot point, what is `height` metres above the floor appears on
+    /// the floor's plane: h / (h − height) with the camera at h.
+    pub(crate) fn enlargement(self, height: f64) -> f64 {
+        self.height / (self.height - height).max(LEAST_ABOVE)
+    }
+
     /// How far a map is from that of any camera, in squared standard deviations.
     ///
     /// Four corners leave a homography free; that a camera made it, whatever its focal length, is a
@@ -53,6 +83,19 @@ impl Viewpoint {
     /// The same for an arena whose stated size is as exact as people measure.
     pub(crate) fn misfit_as_stated(photo: &Photo, map: &PlanMap) -> f64 {
         Self::misfit(photo, map) * (COLUMN_NOISE / STATED_NOISE).powi(2)
+    }
+
+    /// How a map differs from that of any camera that sees the stated arena, with whatever focal length fits best.
+    pub(crate) fn stated_fit(photo: &Photo, map: &PlanMap) -> StatedFit {
+        let homography = map.centred_homography();
+        let width = photo.width() as f64;
+        let fit = |focal: f64| {
+            let [angle, ratio] = of_columns(&homography, focal * width);
+            StatedFit { angle: angle * COLUMN_NOISE, ratio: ratio * COLUMN_NOISE }
+        };
+        let fits = focal_lengths().map(fit);
+        let none = StatedFit { angle: f64::INFINITY, ratio: f64::INFINITY };
+        fits.min_by(|a, b| a.off().total_cmp(&b.off())).unwrap_or(none)
     }
 
     /// How much longer, as a ratio, the arena's width is seen against its height than was stated; `None` if
@@ -84,6 +127,14 @@ impl Viewpoint {
         let homography = map.centred_homography();
         let costs = focal_costs(&homography, photo.width() as f64);
         costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(USUAL_FOCAL, |(_, focal)| focal)
+    }
+
+    /// The angle between straight down and the camera's axis, radians, with the focal length that fits best.
+    pub(crate) fn tilt(photo: &Photo, map: &PlanMap) -> f64 {
+        let focal = Self::likeliest_focal(photo, map) * photo.width() as f64;
+        let [a, b, _] = columns(&map.centred_homography(), focal);
+        let down = a.cross(&b);
+        (down.z.abs() / down.norm().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).acos()
     }
 
     /// The viewpoint that a map implies; `None` if no camera could have it.
@@ -156,7 +207,6 @@ fn centre(homography: &Matrix3<f64>, focal: f64) -> Option<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Arena;
     use nalgebra::Rotation3;
 
     fn seen_from(position: Vector3<f64>, tilt: f64, turn: f64) -> (Photo, PlanMap) {
@@ -185,6 +235,7 @@ mod tests {
         let view = Viewpoint::of(&photo, &map).unwrap();
         assert!(view.foot.distance(Point::new(0.6, 0.5)) < 0.05, "{view:?}");
         assert!((view.height - 2.8).abs() < 0.2, "{view:?}");
+        assert!((Viewpoint::tilt(&photo, &map) - 0.18).abs() < 0.02);
     }
 
     #[test]

@@ -13,7 +13,8 @@
 use crate::vision::appearance::median;
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, Raster};
-use nalgebra::{Matrix4, Vector4};
+use crate::vision::least_squares::{NormalEquations, geman_mcclure};
+use nalgebra::SVector;
 
 /// A camera that moved by more, pixels and radians, has moved: a pixel and 0.1° are always noticed.
 const MOST_SHIFT: f64 = 0.4;
@@ -87,13 +88,13 @@ pub fn check_still(photo: &Photo, empty: &Photo) -> Result<(), VisionError> {
     if motion.agreeing >= LEAST_AGREEING {
         return motion.check(pixels, half_diagonal);
     }
-    let far = sought(&small, &small_empty).filter(|far| far.agreeing >= LEAST_AGREEING);
+    let far = search(&small, &small_empty).filter(|far| far.agreeing >= LEAST_AGREEING);
     far.map_or(Ok(()), |far| far.check(pixels, half_diagonal))?;
     Err(VisionError::EmptyUnlike { measured: motion.agreeing, needed: LEAST_AGREEING })
 }
 
 /// The motion between pictures that may lie far apart, from their smallest copies on.
-fn sought(photo: &Raster<f32>, empty: &Raster<f32>) -> Option<Motion> {
+fn search(photo: &Raster<f32>, empty: &Raster<f32>) -> Option<Motion> {
     let mut sizes = vec![(photo.clone(), empty.clone())];
     while sizes.len() < SIZES
         && let Some((photo, empty)) = sizes.last()
@@ -130,9 +131,9 @@ impl Motion {
         let seen = local(photo);
         let mut motion = start;
         for _ in 0..STEPS {
-            let (products, right, agreeing) = motion.equations(&seen, &edges);
+            let (sums, agreeing) = motion.equations(&seen, &edges);
             motion.agreeing = agreeing;
-            let step = products.cholesky()?.solve(&right);
+            let step = sums.solve()?;
             motion.shift[0] -= step[0];
             motion.shift[1] -= step[1];
             motion.turn -= step[2] / LEVER;
@@ -141,13 +142,13 @@ impl Motion {
                 break;
             }
         }
-        motion.agreeing = motion.equations(&seen, &edges).2;
+        motion.agreeing = motion.equations(&seen, &edges).1;
         Some(motion)
     }
 
     /// The normal equations of the next step, and the share of edges that agree.
-    fn equations(&self, seen: &Raster<f32>, edges: &[Edge]) -> (Matrix4<f64>, Vector4<f64>, f64) {
-        let (mut products, mut right) = (Matrix4::identity() * 1e-9, Vector4::zeros());
+    fn equations(&self, seen: &Raster<f32>, edges: &[Edge]) -> (NormalEquations<4>, f64) {
+        let mut sums = NormalEquations::new(1e-9);
         let mut agreeing = 0;
         for edge in edges {
             let ([x, y], [dx, dy]) = (edge.from_centre, edge.slope.map(f64::from));
@@ -157,12 +158,11 @@ impl Motion {
             let steep = f32::hypot(edge.slope[0], edge.slope[1]);
             let off = residual / (steep * TOLERANCE);
             agreeing += usize::from(off.abs() < 1.0);
-            let weight = f64::from((1.0 + (off / 1.5).powi(2)).powi(-2) / steep);
-            let row = Vector4::new(dx, dy, (x * dy - y * dx) / LEVER, (x * dx + y * dy) / LEVER);
-            products += weight * row * row.transpose();
-            right += weight * f64::from(residual) * row;
+            let weight = geman_mcclure(f64::from(off / 1.5)) / f64::from(steep);
+            let row = [dx, dy, (x * dy - y * dx) / LEVER, (x * dx + y * dy) / LEVER];
+            sums.add(SVector::from(row), f64::from(residual), weight);
         }
-        (products, right, agreeing as f64 / edges.len() as f64)
+        (sums, agreeing as f64 / edges.len() as f64)
     }
 }
 

@@ -3,8 +3,8 @@
 //! Brightness is the strongest channel's sRGB code. Blur shows in how the strongest steps are spread: two of
 //! the eight pixels across a sharp edge have nearly all of its height, those across a ramp a quarter.
 //!
-//! Measured on a picture reduced to about 700 pixels, as the arena's border is sought in one. Pictures
-//! without contrast are refused where the border is sought; a picture may show too little of it here too.
+//! Measured on a picture reduced to about 700 pixels, as the arena's border is searched for in one. Pictures
+//! without contrast are refused where the border is searched for; a picture may show too little of it here too.
 
 use super::photo::Photo;
 use crate::vision::error::VisionError;

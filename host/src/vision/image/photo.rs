@@ -1,8 +1,11 @@
-//! The photo: decoding PNG and JPEG within bounded memory, and reading it in linear light.
+//! The photo, read in linear light.
 //!
 //! Pixels are sRGB; everything that measures light (edges to a fraction of a pixel, the floor's
 //! colour) asks for linear light, because blur mixes light and not sRGB codes: edges located in sRGB
 //! are biased towards the dark side by a quarter of a pixel.
+
+use crate::vision::error::VisionError;
+use std::borrow::Cow;
 
 /// Bits behind the point of a place: 1/2048 pixel.
 pub(crate) const FRACTION: u32 = 11;
@@ -10,20 +13,10 @@ pub(crate) const FRACTION: u32 = 11;
 /// A place in the photo: column and row in fixed-point pixels, left of the last column and above the last row.
 pub(crate) type Place = [u32; 2];
 
-use crate::vision::error::VisionError;
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use std::borrow::Cow;
-use std::io::Cursor;
-
-/// The greatest number of pixels that is decoded: 40 million.
-pub const MAX_PIXELS: u64 = 40_000_000;
 /// Below this width or height no arena can be found.
 const LEAST_SIDE: usize = 64;
-/// Faults and the border's lines are sought in a photo reduced to at most so many pixels a side.
+/// Faults and the border's lines are searched for in a photo reduced to at most so many pixels a side.
 const OVERVIEW_SIDE: usize = 700;
-/// Decoders may hold one copy at 16 bit and four channels, and tables.
-const DECODER_BYTES_PER_PIXEL: u64 = 8;
-const DECODER_TABLES: u64 = 16 << 20;
 
 /// A decoded photo, upright.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,69 +25,6 @@ pub struct Photo {
     height: usize,
     pixels: Vec<[u8; 3]>,
     linear: Box<[f32; 256]>,
-}
-
-/// Decodes a PNG or JPEG file and turns it upright as its EXIF orientation says.
-///
-/// # Errors
-/// [`VisionError::Decode`] for broken or other files, [`VisionError::TooLarge`] above [`MAX_PIXELS`],
-/// [`VisionError::TooSmall`] below 64 pixels in either direction.
-///
-/// ```
-/// assert!(wmr::vision::decode(b"no picture").is_err());
-/// ```
-pub fn decode(bytes: &[u8]) -> Result<Photo, VisionError> {
-    let failed = |error: &dyn std::fmt::Display| VisionError::Decode { reason: error.to_string() };
-    if is_cut_jpeg(bytes) {
-        return Err(failed(&"the JPEG ends in the middle of the picture"));
-    }
-    let reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| failed(&error))?;
-    let mut decoder = reader.into_decoder().map_err(|error| failed(&error))?;
-    let (width, height) = decoder.dimensions();
-    let count = u64::from(width) * u64::from(height);
-    if count > MAX_PIXELS {
-        return Err(VisionError::TooLarge { width, height, limit: MAX_PIXELS });
-    }
-    let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(count * DECODER_BYTES_PER_PIXEL + DECODER_TABLES);
-    decoder.set_limits(limits).map_err(|error| failed(&error))?;
-    let orientation = decoder.orientation().map_err(|error| failed(&error))?;
-    let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?;
-    picture.apply_orientation(orientation);
-    let picture = picture.into_rgb8();
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let pixels = picture.as_raw().as_chunks::<3>().0.to_vec();
-    Photo::from_rgb(width, height, pixels)
-}
-
-/// Whether the bytes are a JPEG without its end: decoders fill what is missing with grey, which looks like
-/// floor or like a box.
-///
-/// A marker's two bytes never occur in a picture's data, so after the first scan begins the first marker of
-/// the end is the end.
-fn is_cut_jpeg(bytes: &[u8]) -> bool {
-    const START: [u8; 2] = [0xff, 0xd8];
-    const END: [u8; 2] = [0xff, 0xd9];
-    const SCAN: u8 = 0xda;
-    const FILL: u8 = 0xff;
-    if !bytes.starts_with(&START) {
-        return false;
-    }
-    let mut at = START.len();
-    // Segments with their lengths, among them a small picture with an end of its own.
-    while let Some(&[0xff, kind, high, low]) = bytes.get(at..at + 4) {
-        if kind == SCAN {
-            break;
-        }
-        if kind == FILL {
-            at += 1;
-            continue;
-        }
-        at += 2 + usize::from(u16::from_be_bytes([high, low]));
-    }
-    !bytes.get(at..).unwrap_or_default().windows(END.len()).any(|pair| pair == END)
 }
 
 impl Photo {
@@ -130,6 +60,15 @@ impl Photo {
     pub(crate) fn with_pixels(&self, pixels: Vec<[u8; 3]>) -> Self {
         debug_assert_eq!(pixels.len(), self.pixels.len());
         Self { pixels, linear: self.linear.clone(), ..*self }
+    }
+
+    /// The part of the photo from a column and row up to others.
+    pub(crate) fn part(&self, [left, top]: [usize; 2], [right, bottom]: [usize; 2]) -> Self {
+        let (right, bottom) = (right.min(self.width), bottom.min(self.height));
+        let (width, height) = (right.saturating_sub(left), bottom.saturating_sub(top));
+        let rows = self.pixels.chunks_exact(self.width).skip(top).take(height);
+        let pixels = rows.flat_map(|row| &row[right - width..right]).copied().collect();
+        Self { width, height, pixels, linear: self.linear.clone() }
     }
 
     /// The linear light of every code.
@@ -220,8 +159,16 @@ impl Photo {
     }
 
     /// Whether a place in pixels is inside the picture.
-    pub(crate) fn holds(&self, [x, y]: [f64; 2]) -> bool {
-        x >= -0.5 && y >= -0.5 && x <= self.width as f64 - 0.5 && y <= self.height as f64 - 0.5
+    pub(crate) fn holds(&self, pixel: [f64; 2]) -> bool {
+        self.holds_within(pixel, 0.0)
+    }
+
+    /// Whether it is inside the picture, or outside by no more than `slack` pixels.
+    pub(crate) fn holds_within(&self, [x, y]: [f64; 2], slack: f64) -> bool {
+        let least = -0.5 - slack;
+        let (right, low) =
+            (self.width as f64 + least.abs() - 1.0, self.height as f64 + least.abs() - 1.0);
+        x >= least && y >= least && x <= right && y <= low
     }
 
     /// The photo at 1 / `factor` of its size, each pixel the mean of `factor`² sRGB pixels.
@@ -276,17 +223,10 @@ pub fn srgb_code(light: f32) -> u8 {
 mod tests {
     use super::*;
 
-    fn png(width: u32, height: u32) -> Vec<u8> {
-        let mut bytes = Cursor::new(Vec::new());
-        let picture =
-            image::GrayImage::from_fn(width, height, |x, _| image::Luma([(x % 256) as u8]));
-        picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
-        bytes.into_inner()
-    }
-
     #[test]
     fn light_between_two_pixels_is_the_mean_of_their_light() {
-        let photo = decode(&png(128, 64)).unwrap();
+        let codes = (0..128 * 64).map(|i| [(i % 128) as u8; 3]).collect();
+        let photo = Photo::from_rgb(128, 64, codes).unwrap();
         let [between, ..] = photo.light([100.5, 3.0]);
         let expected = (linear_light(100) + linear_light(101)) / 2.0;
         assert!((between - expected).abs() < 1e-6);
@@ -297,74 +237,6 @@ mod tests {
         for code in 0..=255 {
             assert_eq!(usize::from(srgb_code(linear_light(code))), code);
         }
-    }
-
-    #[test]
-    fn cut_and_foreign_files_are_refused() {
-        let whole = png(200, 100);
-        for length in [0, 10, whole.len() / 2, whole.len() - 20] {
-            assert!(
-                matches!(decode(&whole[..length]), Err(VisionError::Decode { .. })),
-                "{length} bytes"
-            );
-        }
-        assert!(matches!(decode(&png(20, 300)), Err(VisionError::TooSmall { .. })));
-    }
-
-    #[test]
-    fn a_huge_picture_is_refused_before_it_is_decoded() {
-        let mut bytes = png(64, 64);
-        bytes[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
-        assert!(decode(&bytes).is_err());
-    }
-
-    /// A JPEG of a picture that is bright above and dark below, with an EXIF orientation.
-    fn oriented(orientation: u8) -> Vec<u8> {
-        let picture =
-            image::GrayImage::from_fn(128, 80, |_, y| image::Luma([if y < 40 { 220 } else { 30 }]));
-        let mut bytes = Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, image::ImageFormat::Jpeg).unwrap();
-        let bytes = bytes.into_inner();
-        // An APP1 segment with one entry, 0x0112: a short, the orientation.
-        let mut exif =
-            b"\xff\xe1\0\x22Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
-        exif.extend([orientation, 0, 0, 0, 0, 0, 0]);
-        [&bytes[..2], &exif, &bytes[2..]].concat()
-    }
-
-    #[test]
-    fn photos_are_turned_upright_as_exif_says() {
-        let bright = |photo: &Photo, x: f64, y: f64| photo.light([x, y])[0] > 0.4;
-        let plain = decode(&oriented(1)).unwrap();
-        assert!((plain.width(), plain.height()) == (128, 80) && bright(&plain, 60.0, 5.0));
-        let upside_down = decode(&oriented(3)).unwrap();
-        assert!(bright(&upside_down, 60.0, 75.0) && !bright(&upside_down, 60.0, 5.0));
-        // 6: turn by 90° clockwise; what was above is at the right.
-        let turned = decode(&oriented(6)).unwrap();
-        assert_eq!((turned.width(), turned.height()), (80, 128));
-        assert!(bright(&turned, 75.0, 60.0) && !bright(&turned, 5.0, 60.0));
-    }
-
-    #[test]
-    fn more_than_forty_megapixels_are_refused_by_the_header_alone() {
-        let mut bytes = png(64, 64);
-        // 8000 × 5001 in the header; its checksum is made to fit.
-        bytes[16..24].copy_from_slice(&[0, 0, 0x1f, 0x40, 0, 0, 0x13, 0x89]);
-        let checksum = crc32(&bytes[12..29]);
-        bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
-        assert_eq!(
-            decode(&bytes),
-            Err(VisionError::TooLarge { width: 8000, height: 5001, limit: MAX_PIXELS })
-        );
-    }
-
-    /// The checksum of PNG's chunks (ISO 3309).
-    fn crc32(bytes: &[u8]) -> u32 {
-        !bytes.iter().fold(u32::MAX, |sum, &byte| {
-            (0..8).fold(sum ^ u32::from(byte), |sum, _| {
-                (sum >> 1) ^ (0xedb8_8320 & (sum & 1).wrapping_neg())
-            })
-        })
     }
 
     #[test]

@@ -36,7 +36,11 @@ const SHORT: f64 = 5.0;
 
 /// The shape of a closed contour whose points are off by less than `tolerance` metres; `None` if nothing
 /// simple fits.
+///
+/// Of a strip that is no wider than the tolerance only one side would be left. So the tolerance is at most half of
+/// the width, 2 A / l for a strip of area A whose outline has the length l.
 pub(crate) fn fit(contour: &[Point], tolerance: f64) -> Option<FittedShape> {
+    let tolerance = tolerance.min(width(contour) / 2.0);
     let disc = disc(contour, tolerance);
     let shape = match disc {
         Some(disc) => Shape::Circle(disc),
@@ -44,6 +48,14 @@ pub(crate) fn fit(contour: &[Point], tolerance: f64) -> Option<FittedShape> {
     };
     let outside = contour.iter().map(|&point| shape.distance(point)).fold(0.0, f64::max);
     Some(FittedShape { shape, margin: outside })
+}
+
+/// How wide what a closed contour encloses is if it is a strip, metres; half of its sides for a square.
+fn width(contour: &[Point]) -> f64 {
+    let next = || contour.iter().cycle().skip(1);
+    let doubled: f64 = contour.iter().zip(next()).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
+    let outline: f64 = contour.iter().zip(next()).map(|(a, b)| a.distance(*b)).sum();
+    doubled.abs() / outline
 }
 
 /// The circle through the contour's points by least squares (Kåsa), if they lie on it and all around it.
@@ -255,6 +267,21 @@ mod tests {
         );
         let half: Vec<Point> = (0..300).map(|i| at(TAU / 2.0 * f64::from(i) / 300.0)).collect();
         assert!(matches!(fit(&half, 0.003).unwrap().shape, Shape::Polygon(_)));
+    }
+
+    #[test]
+    fn strips_thinner_than_the_tolerance_keep_their_width_and_ells_of_them_their_corner() {
+        let (wall, ell) = (
+            [[0.2, 0.1], [0.24, 0.4], [0.236, 0.4], [0.196, 0.1]],
+            [[0.1, 0.1], [0.104, 0.1], [0.104, 0.396], [0.3, 0.396], [0.3, 0.4], [0.1, 0.4]],
+        );
+        // A parallelogram of 4 mm across by 300 mm, and two bars of 4 mm, 296 and 200 mm long.
+        for (corners, area) in [(&wall[..], 0.0012), (&ell[..], 0.004 * (0.296 + 0.2))] {
+            let fitted = fit(&drawn(corners, 0.0004), 0.003).unwrap();
+            // Half of the width is the tolerance: no point is further from the shape.
+            assert!(fitted.margin < 0.002, "{fitted:?}");
+            assert!((fitted.shape.area() / area - 1.0).abs() < 0.1, "{area} {fitted:?}");
+        }
     }
 
     #[test]

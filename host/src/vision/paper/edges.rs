@@ -3,7 +3,7 @@
 //!
 //! One function a step; values are brightness codes of 8 bit.
 
-use crate::vision::image::Raster;
+use crate::vision::image::{Raster, magnitude, sobel};
 
 /// The magnitude of the gradient, |∂f/∂x| + |∂f/∂y|, by the 3 × 3 Sobel operator.
 ///
@@ -16,9 +16,9 @@ use crate::vision::image::Raster;
 /// ```
 pub fn edge_magnitude(brightness: &Raster<u8>) -> Raster<u16> {
     let (width, height) = (brightness.width(), brightness.height());
-    let mut magnitude = Raster::filled(width, height, 0);
+    let mut edges = Raster::filled(width, height, 0);
     if width < 3 || height < 3 {
-        return magnitude;
+        return edges;
     }
     let inner = width - 2;
     for y in 1..height - 1 {
@@ -27,17 +27,13 @@ pub fn edge_magnitude(brightness: &Raster<u8>) -> Raster<u16> {
             let row = brightness.row(y);
             [&row[..inner], &row[1..=inner], &row[2..]]
         });
-        let out = &mut magnitude.cells_mut()[y * width + 1..(y + 1) * width - 1];
+        let out = &mut edges.cells_mut()[y * width + 1..(y + 1) * width - 1];
         for x in 0..inner {
             let at = |row: [&[u8]; 3], column: usize| i16::from(row[column][x]);
-            let right = at(above, 2) + 2 * at(here, 2) + at(below, 2);
-            let left = at(above, 0) + 2 * at(here, 0) + at(below, 0);
-            let lower = at(below, 0) + 2 * at(below, 1) + at(below, 2);
-            let upper = at(above, 0) + 2 * at(above, 1) + at(above, 2);
-            out[x] = (right - left).unsigned_abs() + (lower - upper).unsigned_abs();
+            out[x] = magnitude(sobel(|column, row| at([above, here, below][row], column)));
         }
     }
-    magnitude
+    edges
 }
 
 /// The average filter: every cell becomes the mean of its 3 × 3 neighbourhood, rounded down.

@@ -37,7 +37,7 @@ pub struct Steps {
 fn paper_frame(map: &PlanMap, arena: Arena) -> PlanFrame {
     let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
     let most = PAPER_SCALE.min(PAPER_CELLS / arena.width.max(arena.height));
-    PlanFrame { arena, scale: most.min(map.scale_at(middle)), margin: 0.0 }
+    PlanFrame::new(arena, most.min(map.scale_at(middle)), 0.0)
 }
 
 /// What the paper's steps make of a photo.

@@ -27,7 +27,7 @@ const WEIGHTS: [u32; 3] = [54, 183, 19];
 /// let arena = Arena { width: 1.0, height: 1.0 };
 /// let corners = [[-0.5, 99.5], [99.5, 99.5], [99.5, -0.5], [-0.5, -0.5]];
 /// let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
-/// let view = brightness_view(&photo, &map, &PlanFrame { arena, scale: 10.0, margin: 0.0 });
+/// let view = brightness_view(&photo, &map, &PlanFrame::new(arena, 10.0, 0.0));
 /// assert_eq!(view.row(3), [255, 255, 255, 255, 255, 0, 0, 0, 0, 0]);
 /// # Ok::<(), wmr::vision::VisionError>(())
 /// ```
@@ -36,7 +36,7 @@ pub fn brightness_view(photo: &Photo, map: &PlanMap, frame: &PlanFrame) -> Raste
     let places =
         (map.scale_at(middle) / frame.scale).floor().clamp(1.0, MOST_PLACES as f64) as usize;
     let (width, height) = frame.size();
-    let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
+    let fine = frame.finer(places);
     let mut sums = vec![0u32; width];
     let mut view = Raster::filled(width, height, 0u8);
     let mut lattice = Lattice::new(photo, map, fine, width * places);
@@ -117,7 +117,7 @@ mod tests {
         let corners = [[40.0, 280.0], [380.0, 260.0], [350.0, 30.0], [60.0, 20.0]];
         let map = PlanMap::from_corners(&photo, arena, corners, -0.05).unwrap();
         for scale in [90.0, 300.0] {
-            let frame = PlanFrame { arena, scale, margin: 0.05 };
+            let frame = PlanFrame::new(arena, scale, 0.05);
             let view = brightness_view(&photo, &map, &frame);
             let exact = super::super::view::plan_view(&photo, &map, &frame);
             for (&code, light) in view.cells().iter().zip(exact.cells()) {

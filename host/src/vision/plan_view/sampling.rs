@@ -93,7 +93,7 @@ mod tests {
         let arena = Arena { width: 1.3, height: 1.1 };
         let corners = [[-15.0, 280.0], [380.0, 260.0], [350.0, 30.0], [60.0, 20.0]];
         let map = PlanMap::from_corners(&photo, arena, corners, -0.05).unwrap();
-        let frame = PlanFrame { arena, scale: 300.0, margin: 0.05 };
+        let frame = PlanFrame::new(arena, 300.0, 0.05);
         let (width, height) = frame.size();
         let mut lattice = Lattice::new(&photo, &map, frame, width);
         // Out of order too: a line does not depend on those asked for before.

@@ -28,7 +28,7 @@ pub(crate) fn view_of<T: Copy>(
 ) -> Raster<T> {
     let (width, height) = frame.size();
     let places = places(map, frame);
-    let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
+    let fine = frame.finer(places);
     let mut lattice = Lattice::new(photo, map, fine, width * places);
     let mut sums = vec![[0f32; 3]; width];
     let share = 1.0 / (places * places) as f32;
@@ -79,7 +79,7 @@ pub(crate) fn cell_light(
     frame: &PlanFrame,
 ) -> impl Fn(usize, usize) -> [f32; 3] {
     let places = places(map, frame);
-    let fine = PlanFrame { scale: frame.scale * places as f64, ..*frame };
+    let fine = frame.finer(places);
     let share = 1.0 / (places * places) as f32;
     move |column, row| {
         let mut sum = [0f32; 3];
@@ -105,7 +105,7 @@ mod tests {
         let arena = Arena { width: 0.8, height: 0.8 };
         let corners = [[9.5, 89.5], [89.5, 89.5], [89.5, 9.5], [9.5, 9.5]];
         let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
-        let frame = PlanFrame { arena, scale: 100.0, margin: 0.05 };
+        let frame = PlanFrame::new(arena, 100.0, 0.05);
         let view = plan_view(&photo, &map, &frame);
         assert_eq!((view.width(), view.height()), (90, 90));
         assert!(view.get(44, 40).unwrap()[0] > 0.99 && view.get(45, 40).unwrap()[0] < 0.01);

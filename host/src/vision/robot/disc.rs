@@ -8,6 +8,8 @@ use crate::geometry::Point;
 use crate::vision::appearance::{Look, feature};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, Raster, step};
+use crate::vision::least_squares::{NormalEquations, tukey};
+use nalgebra::SVector;
 use std::f64::consts::TAU;
 
 /// Directions that votes are sorted into, as bits.
@@ -18,6 +20,34 @@ const LEAST_GRADIENT: f32 = 2.5;
 const LEAST_DIRECTIONS: u32 = 13;
 /// Centres that are looked at.
 const MOST_CENTRES: usize = 12;
+/// A top whose height is not known is 2 % larger than its disc, more or less 5 %.
+const USUAL_ENLARGEMENT: f64 = 1.02;
+const USUAL_SLACK: f64 = 0.05;
+
+/// How large a robot's top appears on the floor's plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size {
+    /// Its likely radius, metres.
+    pub(crate) likely: f64,
+    /// By how much more or less it may be, as a share.
+    pub(crate) slack: f64,
+}
+
+impl Size {
+    /// That of a disc of a radius in metres whose height above the floor is not known.
+    pub(crate) fn guessed(radius: f64) -> Self {
+        Self { likely: USUAL_ENLARGEMENT * radius, slack: USUAL_SLACK }
+    }
+
+    /// That of a disc which appears so many times larger than it is.
+    pub(crate) fn known(radius: f64, enlargement: f64) -> Self {
+        Self { likely: enlargement * radius, slack: 0.0 }
+    }
+
+    fn clamp(self, radius: f64) -> f64 {
+        radius.clamp((1.0 - self.slack) * self.likely, (1.0 + self.slack) * self.likely)
+    }
+}
 
 /// The cells (column, row) that edges of many directions surround at a radius, and how many directions.
 pub(crate) fn centres(look: &Look, radius: f64) -> Vec<(f64, f64, u32)> {
@@ -99,11 +129,12 @@ pub(crate) fn circle(
     map: &PlanMap,
     look: &Look,
     rough: Point,
-    radius: f64,
+    size: Size,
 ) -> Option<(Point, f64)> {
     const RAYS: usize = 48;
     const SAMPLES: usize = 25;
-    let (mut centre, mut fitted) = clearest_circle(photo, map, rough, radius);
+    let radius = size.likely;
+    let (mut centre, mut fitted) = clearest_circle(photo, map, rough, size);
     for reach in [0.12, 0.10] {
         let mut points = Vec::with_capacity(RAYS);
         for ray in 0..RAYS {
@@ -115,17 +146,18 @@ pub(crate) fn circle(
                 (0..SAMPLES).map(|i| photo.light(map.to_photo(point(i as f64)))).collect();
             points.extend(step(&lights, None).map(point));
         }
-        let Some((next, size)) = robust_circle(&points, centre, fitted, 1.0 / look.view.scale)
+        let Some((next, next_fitted)) =
+            robust_circle(&points, (centre, fitted), size, 1.0 / look.view.scale)
         else {
             break;
         };
-        if next.distance(centre) > 0.1 * radius || (size - fitted).abs() > 0.06 * radius {
+        if next.distance(centre) > 0.1 * radius || (next_fitted - fitted).abs() > 0.06 * radius {
             break;
         }
-        (centre, fitted) = (next, size);
+        (centre, fitted) = (next, next_fitted);
     }
     let near = centre.distance(rough) < 0.4 * radius;
-    near.then_some((centre, fitted.clamp(0.95 * radius, 1.05 * radius)))
+    near.then_some((centre, size.clamp(fitted)))
 }
 
 pub(crate) fn on_circle(centre: Point, radius: f64, angle: f64) -> Point {
@@ -142,20 +174,25 @@ pub(crate) fn contrast(photo: &Photo, map: &PlanMap, points: [Point; 2]) -> f32 
 ///
 /// The square roots of the differences are added, so that a few great ones do not outweigh the rest.
 /// Shadow and the robot's own side show arcs of other circles nearby; only that of the top is whole.
-fn clearest_circle(photo: &Photo, map: &PlanMap, rough: Point, radius: f64) -> (Point, f64) {
+fn clearest_circle(photo: &Photo, map: &PlanMap, rough: Point, size: Size) -> (Point, f64) {
     const RAYS: usize = 36;
+    let radius = size.likely;
     let half = 1.0 / map.scale_at(rough).max(1.0);
-    let clarity = |centre: Point, size: f64| {
+    let clarity = |centre: Point, radius: f64| {
         let ray = |ray: usize| {
             let angle = TAU * ray as f64 / RAYS as f64;
-            contrast(photo, map, [size - half, size + half].map(|r| on_circle(centre, r, angle)))
+            contrast(
+                photo,
+                map,
+                [radius - half, radius + half].map(|r| on_circle(centre, r, angle)),
+            )
         };
         (0..RAYS).map(ray).sum::<f32>()
     };
     let mut best = (clarity(rough, radius), rough, radius);
     for step in [0.08 * radius, 0.04 * radius, 0.02 * radius, 0.01 * radius] {
         for _ in 0..10 {
-            let (_, at, size) = best;
+            let (_, at, fitted) = best;
             let before = best.0;
             for (dx, dy, dr) in [
                 (1.0, 0.0, 0.0),
@@ -167,7 +204,7 @@ fn clearest_circle(photo: &Photo, map: &PlanMap, rough: Point, radius: f64) -> (
             ] {
                 let (next, larger) = (
                     Point::new(at.x + dx * step, at.y + dy * step),
-                    (size + dr * step).clamp(0.95 * radius, 1.05 * radius),
+                    size.clamp(fitted + dr * step),
                 );
                 let value = clarity(next, larger);
                 if value > best.0 {
@@ -185,26 +222,23 @@ fn clearest_circle(photo: &Photo, map: &PlanMap, rough: Point, radius: f64) -> (
 /// Least squares for centre and radius over the points within `width` of the circle, metres.
 fn robust_circle(
     points: &[Point],
-    mut centre: Point,
-    mut radius: f64,
+    (mut centre, mut radius): (Point, f64),
+    size: Size,
     width: f64,
 ) -> Option<(Point, f64)> {
     for round in 0..6 {
         let width = width * f64::from(6 - round).max(1.0) / 2.0;
-        let mut normal = nalgebra::Matrix3::<f64>::identity() * 1e-9;
-        let mut right = nalgebra::Vector3::<f64>::zeros();
+        let mut sums = NormalEquations::<3>::new(1e-9);
+        // A radius that is known takes no part.
+        sums.add_prior(2, 0.0, if size.slack > 0.0 { 0.0 } else { 1e9 });
         for point in points {
             let (dx, dy) = (point.x - centre.x, point.y - centre.y);
             let distance = dx.hypot(dy).max(1e-9);
             let error = distance - radius;
-            if error.abs() < width {
-                let weight = (1.0 - (error / width).powi(2)).powi(2);
-                let row = nalgebra::Vector3::new(dx / distance, dy / distance, 1.0);
-                normal += weight * row * row.transpose();
-                right += weight * error * row;
-            }
+            let row = SVector::from([dx / distance, dy / distance, 1.0]);
+            sums.add(row, error, tukey(error / width));
         }
-        let change = normal.cholesky()?.solve(&right);
+        let change = sums.solve()?;
         centre = Point::new(centre.x + change.x, centre.y + change.y);
         radius += change.z;
     }

@@ -2,5 +2,11 @@
 
 mod disc;
 mod pose;
+mod seen;
+mod standing;
+mod triangle;
 
-pub(crate) use pose::{RobotTop, find, shown_lean};
+pub(crate) use disc::Size;
+pub(crate) use pose::{RobotTop, find};
+pub(crate) use seen::SeenRobot;
+pub(crate) use standing::RobotBody;

@@ -4,21 +4,16 @@
 //! into triangle and rest. Lengths are those of the robot's top as the floor's map shows it: raised by the
 //! robot's height it looks larger and farther from the camera's foot point, by the same factor.
 
-use super::disc::{DIRECTIONS, centres, circle, contrast, on_circle};
-use crate::geometry::{Point, wrap_angle};
-use crate::vision::appearance::{Feature, Look, feature};
+use super::disc::{DIRECTIONS, Size, centres, circle, contrast, on_circle};
+use super::triangle;
+use crate::geometry::Point;
+use crate::vision::appearance::Look;
 use crate::vision::camera::PlanMap;
 use crate::vision::image::Photo;
-use std::f64::consts::{PI, TAU};
 
-/// The triangle: its apex is ahead of the centre, its base behind, shares of the radius.
-const APEX: f64 = 0.8;
-const BASE: f64 = -0.533;
-const HALF_BASE: f64 = 0.373;
-/// The radius that is sought first: the top is 0 to 5 % larger than the disc.
-const USUAL_ENLARGEMENT: f64 = 1.02;
-/// The share of the disc's variance that triangle and rest explain.
-const LEAST_EXPLAINED: f64 = 0.42;
+/// The share of the disc's variance that triangle and rest explain. A triangle that points elsewhere still explains up
+/// to a half of one that is there: what is no more may be any two colours, and its heading any at all.
+const LEAST_EXPLAINED: f64 = 0.6;
 /// The robot's top leans by at most this; leans that are tried.
 const LEAN_RANGE: f64 = 0.05;
 const LEAN_STEPS: usize = 50;
@@ -27,8 +22,6 @@ const BASE_ARC: f64 = 0.9;
 const BASE_BLUR: f64 = 0.8;
 /// The least step at the base's edge: the square root of a difference of features.
 const LEAST_CLARITY: f32 = 0.4;
-/// Headings tried first.
-const HEADINGS: usize = 72;
 /// The least radius in cells at which a triangle can be made out.
 const LEAST_RADIUS_CELLS: f64 = 5.0;
 
@@ -43,25 +36,20 @@ pub(crate) struct RobotTop {
     pub(crate) certainty: f64,
 }
 
-/// Finds the robot of a radius in metres; `None` if there is none.
-pub(crate) fn find(photo: &Photo, map: &PlanMap, look: &Look, radius: f64) -> Option<RobotTop> {
-    let cells = radius * look.view.scale;
+/// Finds the robot whose top appears in such a size; `None` if there is none.
+pub(crate) fn find(photo: &Photo, map: &PlanMap, look: &Look, size: Size) -> Option<RobotTop> {
+    let cells = size.likely * look.view.scale;
     if cells < LEAST_RADIUS_CELLS {
         return None;
     }
     let mut best: Option<RobotTop> = None;
-    for (column, row, directions) in centres(look, USUAL_ENLARGEMENT * cells) {
+    for (column, row, directions) in centres(look, cells) {
         let rough = look.view.point(column, row);
-        let Some((centre, fitted)) = circle(photo, map, look, rough, USUAL_ENLARGEMENT * radius)
-        else {
-            continue;
-        };
-        let Some((heading, explained)) = heading(photo, map, look, centre, fitted) else {
-            continue;
-        };
+        let Some((centre, radius)) = circle(photo, map, look, rough, size) else { continue };
+        let (centre, heading, explained) = triangle::read(photo, map, look, (centre, radius));
         let certainty = explained * f64::from(directions) / f64::from(DIRECTIONS);
         if explained > LEAST_EXPLAINED && best.is_none_or(|best| certainty > best.certainty) {
-            best = Some(RobotTop { centre, radius: fitted, heading, certainty });
+            best = Some(RobotTop { centre, radius, heading, certainty });
         }
     }
     best
@@ -101,77 +89,17 @@ pub(crate) fn shown_lean(
     (clear > LEAST_CLARITY).then_some(lean)
 }
 
-/// The heading whose triangle splits the disc's colours best, and the share of variance it explains.
-fn heading(
-    photo: &Photo,
-    map: &PlanMap,
-    look: &Look,
-    centre: Point,
-    radius: f64,
-) -> Option<(f64, f64)> {
-    const GRID: i32 = 18;
-    let mut places = Vec::new();
-    for j in -GRID..=GRID {
-        for i in -GRID..=GRID {
-            let (x, y) =
-                (0.88 * f64::from(i) / f64::from(GRID), 0.88 * f64::from(j) / f64::from(GRID));
-            if x.hypot(y) < 0.88 {
-                let light = photo
-                    .light(map.to_photo(Point::new(centre.x + x * radius, centre.y + y * radius)));
-                let seen = feature(light);
-                places.push((x, y, [0, 1, 2].map(|part| seen[part] / look.floor.spread[part])));
-            }
-        }
-    }
-    let best = |from: f64, step: f64, count: usize| {
-        let tried = (0..count)
-            .map(|i| from + step * i as f64)
-            .map(|angle| (angle, explained(&places, angle)));
-        tried.max_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    let (rough, _) = best(-PI, TAU / HEADINGS as f64, HEADINGS)?;
-    let (fine, _) = best(rough - 0.07, 0.01, 15)?;
-    let (finest, share) = best(fine - 0.01, 0.002, 11)?;
-    Some((wrap_angle(finest), share))
-}
-
-/// The share of the variance that a triangle of one colour on a disc of another explains.
-fn explained(places: &[(f64, f64, Feature)], heading: f64) -> f64 {
-    let (sin, cos) = heading.sin_cos();
-    let mut sums = [[0f64; 3]; 2];
-    let mut counts = [0f64; 2];
-    let mut squares = 0.0;
-    for &(x, y, seen) in places {
-        let (ahead, aside) = (x * cos + y * sin, y * cos - x * sin);
-        let half = HALF_BASE * (APEX - ahead) / (APEX - BASE);
-        let part = usize::from(ahead > BASE && aside.abs() < half);
-        counts[part] += 1.0;
-        for (sum, value) in sums[part].iter_mut().zip(seen) {
-            *sum += f64::from(value);
-            squares += f64::from(value) * f64::from(value);
-        }
-    }
-    let total: f64 = counts.iter().sum();
-    let mean = |axis: usize| (sums[0][axis] + sums[1][axis]) / total.max(1.0);
-    let common: f64 = (0..3).map(|axis| total * mean(axis).powi(2)).sum();
-    let split: f64 = (0..3)
-        .map(|axis| {
-            (0..2).map(|part| sums[part][axis].powi(2) / counts[part].max(1.0)).sum::<f64>()
-        })
-        .sum();
-    (split - common) / (squares - common).max(total)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::triangle::{APEX, BASE, HALF_BASE};
     use super::*;
     use crate::geometry::Arena;
 
     const ARENA: Arena = Arena { width: 1.5, height: 1.2 };
 
-    /// A white floor at 200 pixels a metre with a grey robot and a dark box, drawn with 4 × 4 samples.
+    /// A white floor with a grey robot and a dark box.
     fn drawn(pose: Option<(Point, f64)>) -> (Photo, PlanMap) {
-        let colour = |p: Point| {
+        picture(|p: Point| {
             if p.x < 0.3 && p.y > 0.8 {
                 return 20.0;
             }
@@ -185,7 +113,11 @@ mod tests {
                 true => 190.0,
                 false => 230.0,
             }
-        };
+        })
+    }
+
+    /// What has these greys, at 200 pixels a metre, drawn with 4 × 4 samples.
+    fn picture(colour: impl Fn(Point) -> f64) -> (Photo, PlanMap) {
         let pixel = |i: usize| {
             let sum: f64 = (0..16)
                 .map(|s| {
@@ -207,7 +139,7 @@ mod tests {
     fn the_pose_is_found_to_a_millimetre_and_a_degree() {
         let (photo, map) = drawn(Some((Point::new(0.7, 0.5), 2.1)));
         let look = Look::at(&photo, &map, ARENA).unwrap();
-        let robot = find(&photo, &map, &look, 0.075).unwrap();
+        let robot = find(&photo, &map, &look, Size::guessed(0.075)).unwrap();
         assert!(robot.centre.distance(Point::new(0.7, 0.5)) < 1e-3, "{robot:?}");
         assert!(
             (robot.heading - 2.1).abs() < 0.02 && (robot.radius - 0.075).abs() < 1e-3,
@@ -219,7 +151,20 @@ mod tests {
     fn a_box_is_no_robot() {
         let (photo, map) = drawn(None);
         let look = Look::at(&photo, &map, ARENA).unwrap();
-        assert_eq!(find(&photo, &map, &look, 0.075), None);
+        assert_eq!(find(&photo, &map, &look, Size::guessed(0.075)), None);
+    }
+
+    #[test]
+    fn a_disc_of_two_halves_tells_no_heading() {
+        // Each half is all one colour, so a triangle explains a part of the disc, and points anywhere.
+        let halves = |at: Point| match at.distance(Point::new(0.7, 0.5)) < 0.075 {
+            true if at.x < 0.7 => 60.0,
+            true => 190.0,
+            false => 230.0,
+        };
+        let (photo, map) = picture(halves);
+        let look = Look::at(&photo, &map, ARENA).unwrap();
+        assert_eq!(find(&photo, &map, &look, Size::guessed(0.075)), None);
     }
 
     #[test]

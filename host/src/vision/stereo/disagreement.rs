@@ -5,7 +5,7 @@
 //! floor without crossing an edge of the difference is floor. What is raised has an edge all around.
 
 use super::pair::{on_floor, raster};
-use crate::geometry::{Arena, Point};
+use crate::geometry::PerSide;
 use crate::vision::appearance::{Feature, median};
 use crate::vision::image::Raster;
 use crate::vision::plan_view::PlanFrame;
@@ -48,7 +48,7 @@ pub(crate) fn disagreement(
     let all = sureness(&first, &second, &slow, &even);
     let plain = plain_border(frame, &all, in_sight);
     let mut cells = floor.cells().iter().zip(in_sight.cells());
-    let judged = raster(frame, |point| match (cells.next(), beyond(frame.arena, point)) {
+    let judged = raster(frame, |point| match (cells.next(), frame.arena.beyond(point)) {
         (Some((&on_floor, _)), None) => on_floor,
         (Some((_, &seen)), Some((side, depth))) => {
             seen && plain[side].get((depth * frame.scale) as usize) == Some(&true)
@@ -126,22 +126,15 @@ fn even_floor(smooth: &Raster<Feature>, spread: Feature, floor: &Raster<bool>) -
     even
 }
 
-/// The side (0 left, 1 lower, 2 right, 3 upper) that a point lies beyond and how far; `None` on the arena.
-fn beyond(arena: Arena, point: Point) -> Option<(usize, f64)> {
-    let depths = [-point.x, -point.y, point.x - arena.width, point.y - arena.height];
-    let (side, &depth) = depths.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-    (depth > 0.0).then_some((side, depth))
-}
-
 /// At which distances beyond each side, in cells, the pictures mostly agree: a raised border disagrees
 /// with itself all along and says nothing.
 fn plain_border(
     frame: &PlanFrame,
     disagreement: &Raster<f32>,
     in_sight: &Raster<bool>,
-) -> [Vec<bool>; 4] {
+) -> PerSide<Vec<bool>> {
     let depths = (frame.margin * frame.scale) as usize + 2;
-    let mut lists: [Vec<Vec<f32>>; 4] = [(); 4].map(|()| vec![Vec::new(); depths]);
+    let mut lists = PerSide::from_fn(|_| vec![Vec::new(); depths]);
     let width = disagreement.width();
     for (index, (&sure, _)) in disagreement
         .cells()
@@ -151,7 +144,7 @@ fn plain_border(
         .filter(|(_, (_, seen))| **seen)
     {
         let point = frame.point((index % width) as f64, (index / width) as f64);
-        if let Some((side, depth)) = beyond(frame.arena, point)
+        if let Some((side, depth)) = frame.arena.beyond(point)
             && let Some(list) = lists[side].get_mut((depth * frame.scale) as usize)
         {
             list.push(sure);
@@ -241,12 +234,14 @@ pub(crate) fn local_mean(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{Arena, Point};
 
-    const FRAME: PlanFrame =
-        PlanFrame { arena: Arena { width: 1.0, height: 1.0 }, scale: 100.0, margin: 0.0 };
+    fn frame() -> PlanFrame {
+        PlanFrame::new(Arena { width: 1.0, height: 1.0 }, 100.0, 0.0)
+    }
 
     fn drawn(exposure: f32, shadow: bool, patch: impl Fn(Point) -> bool) -> Raster<Feature> {
-        raster(&FRAME, |point| {
+        raster(&frame(), |point| {
             let speck = ((point.x * 700.0).sin() * (point.y * 900.0).cos() * 0.02) as f32;
             let dark = if shadow && point.x < 0.4 { -0.5 } else { 0.0 };
             [exposure + dark + speck + if patch(point) { -1.0 } else { 0.0 }, 0.0, 0.0]
@@ -257,10 +252,10 @@ mod tests {
     fn exposure_and_shadow_agree_and_a_patch_in_one_picture_does_not() {
         let inside = |p: Point| p.x > 0.6 && p.x < 0.8 && p.y > 0.5 && p.y < 0.7;
         let pictures = [drawn(0.3, true, inside), drawn(0.0, true, |_| false)];
-        let (found, judged) = disagreement(&FRAME, pictures, &Raster::filled(100, 100, true));
+        let (found, judged) = disagreement(&frame(), pictures, &Raster::filled(100, 100, true));
         assert_eq!((judged.get(0, 50), judged.get(50, 50)), (Some(false), Some(true)));
         for (index, &sure) in found.cells().iter().enumerate() {
-            let point = FRAME.point((index % 100) as f64, (index / 100) as f64);
+            let point = frame().point((index % 100) as f64, (index / 100) as f64);
             // Cameras are known to a cell: the patch's rim may be either.
             let around = |by: f64| {
                 [(-by, 0.0), (by, 0.0), (0.0, -by), (0.0, by)]

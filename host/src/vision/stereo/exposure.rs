@@ -12,7 +12,8 @@
 //! boxes differ otherwise: they count less and less (Geman and McClure's weight).
 
 use crate::vision::appearance::{Feature, median};
-use nalgebra::{Matrix3, Vector3};
+use crate::vision::least_squares::{NormalEquations, geman_mcclure};
+use nalgebra::Vector3;
 
 const ROUNDS: usize = 10;
 /// Differences this many times the usual one count a quarter.
@@ -70,15 +71,14 @@ fn refit(samples: &[Sample], state: Vector3<f64>) -> Option<Vector3<f64>> {
     let mut sizes: Vec<f32> = samples.iter().map(|sample| residual(sample).abs() as f32).collect();
     let spread = (1.4826 * f64::from(median(&mut sizes))).max(LEAST_SPREAD);
     let known = KNOWLEDGE * samples.len().max(1) as f64;
-    let mut normal = Matrix3::from_diagonal(&Vector3::new(0.0, known, known));
-    let mut right = Vector3::new(0.0, known * USUAL_FALL, known * USUAL_FALL);
+    let mut sums = NormalEquations::<3>::new(0.0);
+    sums.add_prior(1, USUAL_FALL, known);
+    sums.add_prior(2, USUAL_FALL, known);
     for sample in samples {
-        let weight = (1.0 + (residual(sample) / (WIDTH * spread)).powi(2)).powi(-2);
-        let terms = terms(sample);
-        normal += weight * terms * terms.transpose();
-        right += weight * f64::from(sample.difference[0]) * terms;
+        let weight = geman_mcclure(residual(sample) / (WIDTH * spread));
+        sums.add(terms(sample), f64::from(sample.difference[0]), weight);
     }
-    Some(normal.cholesky()?.solve(&right))
+    sums.solve()
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 use super::disagreement::stray;
 use super::pair::Pair;
 use super::raised::RaisedBox;
-use crate::geometry::{Point, Rect};
+use crate::geometry::{Point, Rect, Side};
 use crate::vision::appearance::Feature;
 use crate::vision::boxes::{Face, LeaningBox};
 use crate::vision::image::Raster;
@@ -232,7 +232,7 @@ impl<'a> Canvas<'a> {
         for (eye, view) in self.pair.views.into_iter().enumerate() {
             let seen = raised.seen(view);
             let top = seen.top(view.foot);
-            for side in 0..4 {
+            for side in Side::EDGES {
                 clarity += self.edge_clarity(top, side, eye);
                 if seen.faces(side, view.foot) {
                     clarity += self.edge_clarity(seen.base, side, eye);
@@ -243,12 +243,12 @@ impl<'a> Canvas<'a> {
     }
 
     /// How clear an edge is, times its length in cells.
-    fn edge_clarity(&self, top: Rect, side: usize, eye: usize) -> f32 {
+    fn edge_clarity(&self, top: Rect, side: Side, eye: usize) -> f32 {
         let cell = 1.0 / self.pair.frame.scale;
-        let upright = side.is_multiple_of(2);
+        let upright = side.is_upright();
         let (low, high) = if upright { (top.y0, top.y1) } else { (top.x0, top.x1) };
-        let place = <[f64; 4]>::from(top)[side];
-        let outward = if side < 2 { -EDGE_REACH } else { EDGE_REACH } * cell;
+        let place = <[f64; 4]>::from(top)[side.edge()];
+        let outward = side.outward() * EDGE_REACH * cell;
         let steps = ((high - low) / cell) as usize;
         let (mut sum, mut count) = ([0f32; 3], 0u16);
         for step in 1..steps {

@@ -30,7 +30,8 @@ use crate::vision::detect::{DetectOptions, Detection, check, upright};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, Raster, check_picture};
 use crate::vision::plan_view::{PlanFrame, plan_view};
-use crate::vision::robot::{self, RobotTop};
+use crate::vision::robot::{self, RobotTop, Size};
+use crate::vision::warning::Warning;
 use pair::{Pair, Sight};
 pub use raised::RaisedBox;
 use refine::{Refined, refine};
@@ -141,6 +142,7 @@ pub fn detect_pair(
         detection: Detection {
             obstacles: refined.iter().map(obstacle).collect(),
             corners_px: sights[0].map.seen_corners(arena),
+            map: sights[0].map.clone(),
             robot: robot_pose(&sights, options),
             goal: None,
             confidence: 1.0 - share,
@@ -160,11 +162,8 @@ fn obstacle(seen: &Refined) -> Obstacle {
 }
 
 /// What to say of floor in square metres on which the pictures disagree without a box that explains it.
-fn unexplained(area: f64) -> Vec<String> {
-    let advice = "a box may be missed there; look at the picture of the disagreement (--steps)";
-    let warning =
-        format!("no box explains {:.0} cm² on which the photos disagree: {advice}", 1e4 * area);
-    (area > MOST_UNEXPLAINED).then_some(warning).into_iter().collect()
+fn unexplained(area: f64) -> Vec<Warning> {
+    (area > MOST_UNEXPLAINED).then_some(Warning::Unexplained { area }).into_iter().collect()
 }
 
 fn sight<'a>(
@@ -178,7 +177,12 @@ fn sight<'a>(
         reason: "an orthographic camera sees no heights".into(),
     })?;
     let look = Look::at(photo, &map, arena).ok_or(VisionError::Corners)?;
-    let robot = robot::find(photo, &map, &look, options.robot_radius);
+    let robot = robot::find(
+        photo,
+        &map,
+        &look,
+        Size::known(options.robot_radius, view.enlargement(options.robot_height)),
+    );
     Ok(Sight { photo, map, view, look, robot })
 }
 

@@ -57,7 +57,7 @@ impl Pair {
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let finest = sights.iter().map(|sight| sight.map.scale_at(middle));
         let most = (MOST_CELLS / arena.width.max(arena.height)).min(SCALE);
-        let frame = PlanFrame { arena, scale: finest.fold(most, f64::min), margin: MARGIN };
+        let frame = PlanFrame::new(arena, finest.fold(most, f64::min), MARGIN);
         let blind = |point: Point| {
             sights
                 .iter()

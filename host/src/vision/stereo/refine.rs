@@ -16,11 +16,12 @@
 use super::gain::{LEAST_HEIGHT, MOST_HEIGHT};
 use super::pair::Sight;
 use super::raised::{RaisedBox, lean};
-use crate::geometry::{Arena, Point, Rect};
+use crate::geometry::{Arena, Point, Rect, Side};
 use crate::vision::boxes::{LeaningBox, at};
 use crate::vision::camera::PlanMap;
 use crate::vision::image::{Photo, step};
-use nalgebra::{SMatrix, SVector};
+use crate::vision::least_squares::{NormalEquations, tukey};
+use nalgebra::SVector;
 
 /// Profiles along each edge, and the share of it that they stay away from its ends.
 const PLACES: usize = 48;
@@ -83,8 +84,7 @@ pub(crate) fn refine(
 #[derive(Clone, Copy)]
 struct Observation {
     eye: usize,
-    /// 0 left, 1 lower, 2 right, 3 upper.
-    side: usize,
+    side: Side,
     /// Whether it is an edge of the top; else it is the foot of a side.
     top: bool,
     /// Its coordinate on the floor, metres.
@@ -104,7 +104,8 @@ fn observations(
         let foot = sight.view.foot;
         let seen = raised.seen(sight.view);
         let hidden: Vec<LeaningBox> = others.iter().map(|other| other.seen(sight.view)).collect();
-        for (side, top) in (0..8).map(|index| (index % 4, index < 4)) {
+        let edges = [true, false].into_iter().flat_map(|top| Side::EDGES.map(|side| (side, top)));
+        for (side, top) in edges {
             if !top && !seen.faces(side, foot) {
                 continue;
             }
@@ -134,29 +135,25 @@ fn fit(
     pixel: f64,
 ) -> Option<(RaisedBox, [f64; 4])> {
     let mut state = unknowns(start);
-    let mut normal = SMatrix::<f64, 5, 5>::zeros();
+    let mut covariance = None;
     for _ in 0..6 {
-        let mut right = Unknowns::zeros();
-        normal = SMatrix::zeros();
+        let mut sums = NormalEquations::<5>::new(0.0);
         for unknown in 0..5 {
             let deviation = if unknown < 4 { PRIOR_PIXELS * pixel } else { PRIOR_HEIGHT };
-            normal[(unknown, unknown)] = deviation.powi(-2);
-            right[unknown] = (prior[unknown] - state[unknown]) * deviation.powi(-2);
+            sums.add_prior(unknown, prior[unknown] - state[unknown], deviation.powi(-2));
         }
         for observation in seen {
             let (predicted, row) = predicted(sights, observation, &state);
             let deviation = EDGE_PIXELS * observation.pixel;
-            let residual = (observation.place - predicted) / deviation;
-            if residual.abs() < OUTLIER {
-                let weight = (1.0 - (residual / OUTLIER).powi(2)).powi(2) / (deviation * deviation);
-                normal += weight * row * row.transpose();
-                right += weight * (observation.place - predicted) * row;
-            }
+            let error = observation.place - predicted;
+            let weight = tukey(error / deviation / OUTLIER) / (deviation * deviation);
+            sums.add(row, error, weight);
         }
-        state += normal.cholesky()?.solve(&right);
+        state += sums.solve()?;
+        covariance = sums.covariance();
         state[4] = state[4].clamp(LEAST_HEIGHT, MOST_HEIGHT);
     }
-    let spread = normal.try_inverse()?;
+    let spread = covariance?;
     let base = Rect::new(state[0], state[1], state[2], state[3]);
     let upright = base.x0 < base.x1 && base.y0 < base.y1;
     upright.then(|| {
@@ -167,15 +164,15 @@ fn fit(
 /// Where an edge should be seen, and how that changes with the unknowns.
 fn predicted(sights: &[Sight; 2], seen: &Observation, state: &Unknowns) -> (f64, Unknowns) {
     let view = sights[seen.eye].view;
-    let (edge, height) = (state[seen.side], state[4]);
+    let (edge, height) = (state[seen.side.edge()], state[4]);
     let mut row = Unknowns::zeros();
     if !seen.top {
-        row[seen.side] = 1.0;
+        row[seen.side.edge()] = 1.0;
         return (edge, row);
     }
-    let foot = if seen.side.is_multiple_of(2) { view.foot.x } else { view.foot.y };
+    let foot = if seen.side.is_upright() { view.foot.x } else { view.foot.y };
     let k = lean(view, height);
-    row[seen.side] = k;
+    row[seen.side.edge()] = k;
     // dk/dh = H / (H − h)² = k² / H.
     row[4] = k * k / view.height * (edge - foot);
     (foot + k * (edge - foot), row)
@@ -184,11 +181,11 @@ fn predicted(sights: &[Sight; 2], seen: &Observation, state: &Unknowns) -> (f64,
 /// Edges at or beyond a side of the arena lie on it.
 fn on_walls(mut refined: Refined, arena: Arena, reach: f64) -> Refined {
     let mut edges: [f64; 4] = refined.raised.base.into();
-    for (side, wall) in [0.0, 0.0, arena.width, arena.height].into_iter().enumerate() {
-        let beyond = if side < 2 { edges[side] < wall } else { edges[side] > wall };
-        if beyond || (edges[side] - wall).abs() < reach {
-            edges[side] = wall;
-            refined.margin[side] = CAMERA_ERROR;
+    for (side, wall) in Side::EDGES.into_iter().zip([0.0, 0.0, arena.width, arena.height]) {
+        let beyond = (edges[side.edge()] - wall) * side.outward() > 0.0;
+        if beyond || (edges[side.edge()] - wall).abs() < reach {
+            edges[side.edge()] = wall;
+            refined.margin[side.edge()] = CAMERA_ERROR;
         }
     }
     refined.raised.base = edges.into();
@@ -200,7 +197,7 @@ struct EdgeView<'a> {
     photo: &'a Photo,
     map: &'a PlanMap,
     rect: Rect,
-    side: usize,
+    side: Side,
     /// The size of a pixel, metres.
     pixel: f64,
     /// How far the edge may be moved, pixels.
@@ -216,7 +213,7 @@ impl EdgeView<'_> {
             return None;
         }
         let edge = at(self.rect, self.side, 0.5, self.outward(step(&mean, Some(change))?));
-        Some(if self.side.is_multiple_of(2) { edge.x } else { edge.y })
+        Some(if self.side.is_upright() { edge.x } else { edge.y })
     }
 
     /// The light across the edge from inside to outside, averaged along it.

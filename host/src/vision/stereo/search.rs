@@ -247,7 +247,7 @@ impl Search<'_> {
 
     fn merged(&self, found: &[RaisedBox], a: RaisedBox, b: RaisedBox) -> Option<RaisedBox> {
         let union = around(a.base, b.base);
-        if area(union) > 1.3 * (area(a.base) + area(b.base)) {
+        if union.area() > 1.3 * (a.base.area() + b.base.area()) {
             return None;
         }
         let others: Vec<RaisedBox> =
@@ -270,10 +270,6 @@ fn alike(a: RaisedBox, b: RaisedBox) -> bool {
     likeness(a.base, b.base) > 0.75 && (a.height - b.height).abs() < 0.04
 }
 
-fn area(rect: Rect) -> f64 {
-    (rect.x1 - rect.x0) * (rect.y1 - rect.y0)
-}
-
 fn around(a: Rect, b: Rect) -> Rect {
     Rect::new(a.x0.min(b.x0), a.y0.min(b.y0), a.x1.max(b.x1), a.y1.max(b.y1))
 }
@@ -281,7 +277,7 @@ fn around(a: Rect, b: Rect) -> Rect {
 /// Intersection over union.
 fn likeness(a: Rect, b: Rect) -> f64 {
     let shared = overlap(a, b);
-    shared / (area(a) + area(b) - shared).max(1e-12)
+    shared / (a.area() + b.area() - shared).max(1e-12)
 }
 
 /// Whether two patches face each other near by.

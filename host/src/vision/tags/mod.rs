@@ -7,6 +7,7 @@
 //! left, as OpenCV has them. A tag needs a rim brighter than its ring, at least half a cell wide.
 
 mod arena;
+mod bridge;
 mod dark;
 mod decode;
 mod dictionary;
@@ -17,6 +18,7 @@ pub use arena::TagPoint;
 pub use dictionary::TagDictionary;
 
 pub(crate) use arena::{corners, patch, pose};
+pub(crate) use bridge::{Bridged, bridged};
 
 use crate::vision::image::Photo;
 use dark::{Grey, Outlines};

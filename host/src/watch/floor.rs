@@ -1,0 +1,204 @@
+//! What stands on the floor by the last frames, and how it moves.
+//!
+//! What a frame shows counts at once and as the frame shows it; what it does not show any more counts for one frame
+//! longer, so that a thing that flickers stays. Which thing is which, and how fast it moves, is what its track says
+//! ([`track::obstacles`](crate::track::obstacles)). What lies under the robot's own disc is the robot. Metres,
+//! seconds.
+
+use crate::geometry::Point;
+use crate::scene::Obstacle;
+use crate::shape::Shape;
+use crate::track::obstacles::{Track, TrackId, Tracker};
+use std::time::Duration;
+
+/// What lies within the robot's disc and this much around it is the robot, m.
+const AROUND_ROBOT: f64 = 0.012;
+/// A thing moves if its speed is so many standard deviations, and more than by what edges flicker, m/s.
+const SURE: f64 = 3.0;
+const STANDS: f64 = 0.04;
+/// Plans keep out of where things that move will be within so long, s, in steps of which the robot's radius covers
+/// the gaps.
+const AHEAD: f64 = 0.8;
+const STEP: f64 = 0.1;
+/// Things differ if an edge lies so far off, m.
+const DIFFERS: f64 = 0.015;
+
+/// Something that the robot must not touch, and how it moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hazard {
+    /// What it is.
+    pub obstacle: Obstacle,
+    /// Its velocity, m/s.
+    pub velocity: [f64; 2],
+}
+
+impl Hazard {
+    /// Whether it moves.
+    pub fn moves(&self) -> bool {
+        self.velocity != [0.0; 2]
+    }
+}
+
+/// What stands on the floor.
+#[derive(Clone, Debug, Default)]
+pub struct Floor {
+    tracker: Tracker,
+    things: Vec<(TrackId, Hazard)>,
+}
+
+impl Floor {
+    /// Takes in what a frame shows that was exposed at that time, when the disc of `radius` at `robot` was the
+    /// robot's.
+    pub fn update(
+        &mut self,
+        exposed: Duration,
+        seen: &[Obstacle],
+        (robot, radius): (Option<Point>, f64),
+    ) {
+        let is_robot = |obstacle: &Obstacle| {
+            robot.is_some_and(|at| {
+                let reach = radius + AROUND_ROBOT;
+                obstacle.footprint.outline().iter().all(|corner| corner.distance(at) < reach)
+            })
+        };
+        let seen: Vec<&Obstacle> = seen.iter().filter(|obstacle| !is_robot(obstacle)).collect();
+        let shapes: Vec<Shape> = seen.iter().map(|obstacle| obstacle.footprint.clone()).collect();
+        self.tracker.update(exposed, &shapes);
+        let before = std::mem::take(&mut self.things);
+        for track in self.tracker.tracks() {
+            let there = middle(&track.footprint());
+            let off = |obstacle: &Obstacle| middle(&obstacle.footprint).distance(there);
+            let shown = seen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+            let last = before.iter().find(|(id, _)| *id == track.id());
+            let obstacle = match (shown.filter(|_| track.misses() == 0), last) {
+                (Some(shown), _) => shown.clone(),
+                (None, Some((_, last))) => last.obstacle.clone(),
+                (None, None) => track.footprint().into(),
+            };
+            if !is_robot(&obstacle) {
+                self.things.push((track.id(), Hazard { obstacle, velocity: velocity(track) }));
+            }
+        }
+    }
+
+    /// All that must not be touched.
+    pub fn hazards(&self) -> Vec<Hazard> {
+        self.things.iter().map(|(_, hazard)| hazard.clone()).collect()
+    }
+
+    /// The same without how it moves.
+    pub fn obstacles(&self) -> Vec<Obstacle> {
+        self.things.iter().map(|(_, hazard)| hazard.obstacle.clone()).collect()
+    }
+
+    /// What a plan that begins at `from` goes round: what moves takes up all that it will cover within the next
+    /// moments. Where that holds `from`, less than `keep` away, it is only avoided where it is now.
+    pub fn to_avoid(&self, from: Point, keep: f64) -> Vec<Obstacle> {
+        let mut avoided = self.obstacles();
+        for hazard in self.hazards().into_iter().filter(Hazard::moves) {
+            let [vx, vy] = hazard.velocity;
+            let steps = (1..=(AHEAD / STEP) as u32).map(|step| STEP * f64::from(step));
+            let later = steps.map(|time| hazard.obstacle.footprint.moved_by(vx * time, vy * time));
+            let free = later.filter(|footprint| footprint.distance(from) > keep);
+            avoided.extend(free.map(|footprint| Obstacle { footprint, ..hazard.obstacle.clone() }));
+        }
+        avoided
+    }
+
+    /// Whether something has come, gone or moved compared with `others`.
+    pub fn differs_from(&self, others: &[Obstacle]) -> bool {
+        let alike = |a: &Obstacle, b: &Obstacle| {
+            let (a, b) = (a.footprint.bounds(), b.footprint.bounds());
+            [a.x0 - b.x0, a.y0 - b.y0, a.x1 - b.x1, a.y1 - b.y1]
+                .iter()
+                .all(|off| off.abs() < DIFFERS)
+        };
+        let has = |all: &[Obstacle], one: &Obstacle| all.iter().any(|other| alike(one, other));
+        let now = self.obstacles();
+        now.iter().any(|one| !has(others, one)) || others.iter().any(|one| !has(&now, one))
+    }
+}
+
+/// A track's velocity, if it is no noise.
+fn velocity(track: &Track) -> [f64; 2] {
+    let [vx, vy] = track.velocity();
+    let least = (SURE * track.velocity_sigma()).max(STANDS);
+    if vx.hypot(vy) > least { [vx, vy] } else { [0.0; 2] }
+}
+
+fn middle(shape: &Shape) -> Point {
+    let bounds = shape.bounds();
+    Point::new((bounds.x0 + bounds.x1) / 2.0, (bounds.y0 + bounds.y1) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Rect;
+
+    fn thing(x: f64, y: f64) -> Obstacle {
+        Rect::new(x - 0.1, y - 0.1, x + 0.1, y + 0.1).into()
+    }
+
+    fn at(frame: u64) -> Duration {
+        Duration::from_millis(100 * frame)
+    }
+
+    #[test]
+    fn a_box_at_a_quarter_of_a_metre_a_second() {
+        let mut floor = Floor::default();
+        for frame in 0..8 {
+            let boxes = [thing(0.5 + 0.025 * frame as f64, 0.5), thing(1.5, 0.5)];
+            floor.update(at(frame), &boxes, (None, 0.075));
+        }
+        let hazards = floor.hazards();
+        assert_eq!(hazards.len(), 2);
+        assert!((hazards[0].velocity[0] - 0.25).abs() < 0.02 && hazards[0].moves());
+        assert!(!hazards[1].moves());
+    }
+
+    /// At a quarter of a metre a second it covers 0.2 m more within 0.8 s.
+    #[test]
+    fn plans_go_round_where_things_will_be() {
+        let mut floor = Floor::default();
+        (0..8).for_each(|frame| {
+            let boxes = [thing(0.5 + 0.025 * frame as f64, 0.5), thing(1.5, 0.5)];
+            floor.update(at(frame), &boxes, (None, 0.075));
+        });
+        let right = |from| {
+            let avoided = floor.to_avoid(from, 0.08);
+            let of_mover = avoided.iter().map(|thing| thing.footprint.bounds().x1);
+            of_mover.filter(|x1| *x1 < 1.5).fold(0.0, f64::max)
+        };
+        assert!((right(Point::new(0.2, 0.2)) - 0.975).abs() < 0.02);
+        let before = right(Point::new(0.96, 0.5));
+        assert!(before < 0.88 && before > 0.84, "as far as the robot lets it: {before}");
+    }
+
+    #[test]
+    fn a_thing_that_is_gone_counts_for_one_frame_longer() {
+        let mut floor = Floor::default();
+        floor.update(at(0), &[thing(0.5, 0.5)], (None, 0.075));
+        floor.update(at(1), &[], (None, 0.075));
+        assert_eq!(floor.hazards().len(), 1);
+        floor.update(at(2), &[], (None, 0.075));
+        assert_eq!(floor.hazards().len(), 0);
+    }
+
+    #[test]
+    fn the_robot_is_no_hazard_to_itself() {
+        let mut floor = Floor::default();
+        let part = Rect::new(0.45, 0.45, 0.55, 0.55).into();
+        floor.update(at(0), &[part, thing(0.6, 0.5)], (Some(Point::new(0.5, 0.5)), 0.075));
+        assert_eq!(floor.obstacles(), [thing(0.6, 0.5)], "what reaches out of its disc is one");
+    }
+
+    #[test]
+    fn millimetres_make_no_difference() {
+        let mut floor = Floor::default();
+        floor.update(at(0), &[thing(0.5, 0.5)], (None, 0.075));
+        assert!(!floor.differs_from(&[thing(0.51, 0.5)]));
+        assert!(floor.differs_from(&[thing(0.52, 0.5)]) && floor.differs_from(&[]));
+        assert!(floor.differs_from(&[thing(0.5, 0.5), thing(1.5, 0.5)]));
+    }
+}
