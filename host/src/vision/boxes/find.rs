@@ -26,8 +26,8 @@ use crate::vision::plan_view::PlanFrame;
 use crate::vision::robot::RobotTop;
 
 /// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
-const LEAN_GAIN: f32 = 0.012;
-const SHOWN_WEIGHT: f32 = 0.03;
+const LEAN_GAIN: f32 = 0.035;
+const SHOWN_WEIGHT: f32 = 0.0;
 /// Shadow of this many square metres matters.
 const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
