@@ -25,9 +25,11 @@ use crate::vision::image::Photo;
 use crate::vision::plan_view::PlanFrame;
 use crate::vision::robot::RobotTop;
 
-/// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
+/// Boxes lean if that explains this share more. From where they are seen nothing leans if it explains no more than
+/// the least, where sides that are plainly seen count as so much.
 const LEAN_GAIN: f32 = 0.035;
-const SHOWN_WEIGHT: f32 = 0.0;
+const LEAST_LEAN_GAIN: f32 = 0.012;
+const SHOWN_WEIGHT: f32 = 0.03;
 /// Shadow of this many square metres matters.
 const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
@@ -44,7 +46,7 @@ pub(crate) struct Found {
     pub(crate) boxes: Vec<Bounded>,
     /// What is no upright box.
     pub(crate) shapes: Vec<Obstacle>,
-    /// Whether they lean; unknown without boxes.
+    /// Whether they lean; unknown without boxes, and of what may as well be cut from card.
     pub(crate) leans: Option<bool>,
     /// Whether thin lines from side to side were taken for lines on the floor.
     pub(crate) has_lines: bool,
@@ -80,7 +82,8 @@ impl Found {
 /// Finds the boxes.
 ///
 /// They are searched for twice, upright and leaning away from the camera's foot point. From far away no lean
-/// can be seen, and a free lean only fits noise; so leaning boxes must explain more or show sides.
+/// can be seen, and a free lean only fits noise or what is no upright box; so leaning boxes must explain more than
+/// upright ones do, and than outlines of one colour where no shadow tells of heights.
 ///
 /// Shadow that no lamp explains may be boxes as dark as shadow, which must not be lost. Then all that is
 /// dark is taken for boxes. If the shadows of these tell the lamp after all, and the lamp leaves little
@@ -155,7 +158,7 @@ pub(crate) struct Known {
     has_shadows: bool,
     foot: Option<Point>,
     lamp: Option<Lamp>,
-    /// Whether boxes lean; unknown without boxes.
+    /// Whether boxes lean, if that is known.
     pub(crate) leans: Option<bool>,
 }
 
@@ -226,12 +229,16 @@ impl Picture<'_> {
         });
         let search = Search { lamp, ..search };
         let leaning = if lamp.is_some() { search.run(&with(&rects, &leaning)) } else { leaning };
+        // Without a shadow that tells of heights an outline of one colour is as likely cut from card.
+        let cut = if lamp.is_none() { upright.explained_by_outlines(&flat) } else { 0.0 };
+        let (explained, by_flat) = (search.explained(&leaning), upright.explained(&flat));
+        let leans = explained / (by_flat + cut).max(1.0) - 1.0 > LEAN_GAIN;
         let shown = leaning.iter().filter(|&&seen| sharpener.shown_lean(seen).is_some()).count();
-        let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
-        let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
+        let shown = SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32;
         let any = !(flat.is_empty() && leaning.is_empty());
+        let is_flat = any && explained / by_flat.max(1.0) - 1.0 + shown < LEAST_LEAN_GAIN;
         let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
-        Scene { boxes, foot, lamp, leans: any.then_some(leans) }
+        Scene { boxes, foot, lamp, leans: (leans || is_flat).then_some(leans) }
     }
 
     /// What an explanation leaves unexplained, in cells.
