@@ -34,7 +34,9 @@ const SHOWN_WEIGHT: f32 = 0.03;
 const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
 const MOST_LEFT: f32 = 0.25;
-
+/// Shadow that leaves less light than a third (natural logarithm) is more likely the colour of things: a lamp must
+/// explain nearly all of it.
+const DEEP_SHADOW: f32 = 1.1;
 /// Another reading of shadow is taken if it leaves less than this share unexplained.
 const CLEARLY: f32 = 0.9;
 
@@ -115,7 +117,9 @@ pub(crate) fn find(
     };
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
-    if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
+    let is_deep = shadow.is_some_and(|shadow| shadow.offset[0] < -DEEP_SHADOW);
+    let is_cast = !is_deep || picture.shade_left(&first, &evidence) < MOST_LEFT;
+    if first.lamp.is_some() && is_cast || shade(&evidence) < LEAST_SHADE {
         return picture.settle(first, &evidence, true);
     }
     let dark = picture.explain(&evidence.judged_again(&look, robot, false));
@@ -244,6 +248,12 @@ impl Picture<'_> {
     /// What an explanation leaves unexplained, in cells.
     fn left_over(&self, scene: &Scene, evidence: &Evidence) -> f32 {
         Search { evidence, foot: scene.foot, lamp: scene.lamp }.left_over(&scene.boxes)
+    }
+
+    /// The share of the shadow that an explanation leaves unexplained.
+    fn shade_left(&self, scene: &Scene, evidence: &Evidence) -> f32 {
+        let search = Search { evidence, foot: scene.foot, lamp: scene.lamp };
+        search.unexplained_shade(&scene.boxes)
     }
 
     /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.
