@@ -114,7 +114,7 @@ fn a_page_has_no_other_camera_opened_and_nothing_set_down_on_a_real_floor() {
     assert_eq!(server.post("things", &json!({"at": [0.5, 0.5]})).0, 409, "there is no floor");
     plan(&server);
     server.done("camera", &json!({"source": "sim"}));
-    assert_eq!(server.post("things", &json!({"at": [0.5, 0.5], "radius": 9})).0, 400);
+    assert_eq!(server.post("things", &json!({"at": [0.5, 0.5], "size": [9, 1]})).0, 400);
     let set_down = (0..40).map(|_| server.post("things", &json!({"at": [0.9, 0.2]})).0);
     assert_eq!(set_down.filter(|status| *status == 200).count(), 32, "a floor has an end");
 }

@@ -91,12 +91,12 @@ export const readmeShot = (page) => page.screenshot({ path: `${shots}readme.jpg`
 /** What the page shows. */
 export const state = (page) => page.evaluate(() => structuredClone({ ...window.wmr.state }));
 
-/** Waits for a condition, a function; says what the page shows if it never holds. */
-export async function until(page, condition, argument) {
+/** Waits for a condition, a function; says what the page shows if it does not hold in time, milliseconds. */
+export async function until(page, condition, argument, timeout = 20_000) {
   // The page forbids text to be run, and a text that is looked at twice would be.
   assert.equal(typeof condition, 'function');
   try {
-    await page.waitForFunction(condition, argument, { timeout: 20_000 });
+    await page.waitForFunction(condition, argument, { timeout });
   } catch (error) {
     const { step, start, goal, plan, planProblem, problem, base, drive, working, scene } = await state(page);
     const shown = { step, start, goal, length: plan?.length, planProblem, problem, base, drive, working, obstacles: scene?.obstacles };

@@ -185,6 +185,11 @@ impl Live {
         self.problem = None;
     }
 
+    /// What the robot said last is as new as it was then.
+    pub(super) fn keep_word(&mut self) {
+        self.heard = self.heard.map(|_| Instant::now());
+    }
+
     /// The same on a drive, whose last word was at that time, seconds.
     pub(super) fn hear_on_way(&mut self, telemetry: Telemetry, time: Option<f64>) {
         self.hear(telemetry);

@@ -36,25 +36,26 @@ struct CameraRequest {
     source: Option<String>,
 }
 
-/// `POST /api/things`: a disc that is set down, and where it rolls.
+/// `POST /api/things`: a box that is set down, and where it rolls.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ThingRequest {
     at: [f64; 2],
-    #[serde(default = "ThingRequest::usual_radius")]
-    radius: f64,
+    /// Its width and depth.
+    #[serde(default = "ThingRequest::usual_size")]
+    size: [f64; 2],
     to: Option<[f64; 2]>,
     #[serde(default = "ThingRequest::usual_speed")]
     speed: f64,
 }
 
 /// What can stand in a usual arena, metres and m/s.
-const RADII: std::ops::RangeInclusive<f64> = 0.01..=0.5;
+const SIDES: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 const SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=1.0;
 
 impl ThingRequest {
-    fn usual_radius() -> f64 {
-        0.06
+    fn usual_size() -> [f64; 2] {
+        [0.12; 2]
     }
 
     fn usual_speed() -> f64 {
@@ -67,11 +68,12 @@ impl ThingRequest {
         if numbers.iter().any(|number| !number.is_finite()) {
             return Err(Failure::bad_request("a place is not finite"));
         }
-        if !RADII.contains(&self.radius) || !SPEEDS.contains(&self.speed) {
+        let has_size = self.size.iter().all(|side| SIDES.contains(side));
+        if !has_size || !SPEEDS.contains(&self.speed) {
             return Err(Failure::bad_request(format!(
-                "a disc has a radius from {} to {} m, and rolls at {} to {} m/s",
-                RADII.start(),
-                RADII.end(),
+                "a box has sides from {} to {} m, and rolls at {} to {} m/s",
+                SIDES.start(),
+                SIDES.end(),
                 SPEEDS.start(),
                 SPEEDS.end()
             )));
@@ -85,7 +87,9 @@ impl ThingRequest {
                 again: false,
             },
         };
-        Ok(Thing { shape: Shape::Circle([x, y, self.radius]), motion })
+        let [half_width, half_depth] = self.size.map(|side| side / 2.0);
+        let shape = Shape::Rect([x - half_width, y - half_depth, x + half_width, y + half_depth]);
+        Ok(Thing { shape, motion })
     }
 }
 
@@ -186,19 +190,20 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_stands_or_rolls_in_the_arena_s_frame() {
-        let still = thing(r#"{"at":[1.5,2.25]}"#).unwrap();
-        assert_eq!((still.shape, still.motion), (Shape::Circle([0.5, 0.25, 0.06]), Motion::Still));
+    fn a_box_stands_or_rolls_in_the_arena_s_frame() {
+        let still = thing(r#"{"at":[1.5,2.25],"size":[0.5,0.25]}"#).unwrap();
+        let shape = Shape::Rect([0.25, 0.125, 0.75, 0.375]);
+        assert_eq!((still.shape, still.motion), (shape, Motion::Still));
         let rolls = thing(r#"{"at":[1.5,2.25],"to":[1.5,2.75],"speed":0.25}"#).unwrap();
         assert_eq!(rolls.motion.shift(1.0), [0.0, 0.25]);
         assert_eq!(rolls.motion.shift(9.0), [0.0, 0.5], "it stays where it was sent");
     }
 
     #[test]
-    fn what_is_no_disc_is_refused() {
+    fn what_is_no_box_is_refused() {
         for text in [
-            r#"{"at":[1,2],"radius":0}"#,
-            r#"{"at":[1,2],"radius":9}"#,
+            r#"{"at":[1,2],"size":[0,0.1]}"#,
+            r#"{"at":[1,2],"size":[9,0.1]}"#,
             r#"{"at":[1,2],"to":[2,2],"speed":5}"#,
             r#"{"at":[1]}"#,
             r#"{"at":[1,2],"width":1}"#,

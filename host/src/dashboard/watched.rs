@@ -10,27 +10,27 @@ use super::corrections::Corrections;
 use super::desk::{Desk, SILENT};
 use super::driving::{ends, in_words};
 use super::error::Failure;
-use super::live::RunStatus;
+use super::live::{Live, RunStatus};
 use super::reading::Reading;
 use super::robot::{RobotThread, stopped};
 use super::{Dashboard, lock};
 use crate::cli::args::{VisionArgs, WayArgs};
 use crate::cli::endpoint::SimulatedRobot;
 use crate::cli::error::CliError;
-use crate::cli::input::{self, SeenPhoto, Sight};
+use crate::cli::input::{self, Sight};
 use crate::cli::run::{Run, RunClock};
 use crate::cli::watch::{Manner, first_pose, watched};
 use crate::cli::way::{self, MarginRule, PlannedWay};
 use axum::http::StatusCode;
 use serde_json::json;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use wmr::document::{EventDocument, ViewDocument, WatchDocument};
 use wmr::geometry::{Arena, Point, Pose};
 use wmr::link::LinkError;
 use wmr::link::drive::{DriveEvent, POLL_INTERVAL, TimedPort, Wish};
 use wmr::link::mission::MissionEvent;
-use wmr::scene::{Goal, Obstacle};
+use wmr::scene::{Goal, Obstacle, Scene};
 use wmr::track::pose::PoseSigma;
 use wmr::vision::{self, Camera};
 use wmr::watch::{Eye, Happening, WatchError, WatchedDrive};
@@ -116,36 +116,25 @@ impl FirstLook {
         })
     }
 
+    /// How the frame is to be looked at.
+    fn vision_args(&self) -> Result<VisionArgs, Failure> {
+        let args = self.reading.vision_args()?;
+        // Where a person has put the corners they are.
+        let tags = args.tags.filter(|_| self.corners.is_none());
+        Ok(VisionArgs { arena: Some(self.arena), corners: self.corners, tags, ..args })
+    }
+
     /// Looks at the frame, and plans in it.
     pub(super) fn see(self, shot: &Shot) -> Result<WatchedTask, Failure> {
-        let args = VisionArgs {
-            arena: Some(self.arena),
-            corners: self.corners,
-            ..self.reading.vision_args()?
-        };
-        let args = match args.corners {
-            // Where a person has put the corners they are.
-            Some(_) => VisionArgs { tags: None, ..args },
-            None => args,
-        };
+        let args = self.vision_args()?;
         let start =
             self.start.map(|pose| Goal { position: pose.position, heading: Some(pose.heading) });
         let sight = Sight { radius: Some(self.radius), resolution: 1.0, keep_steps: false, start };
         let camera = self.lens.clone().or(self.reading.camera());
         let options = input::detect_options(&args, sight, (camera, None))?;
-        let began = Instant::now();
         let detection =
             vision::detect(&shot.photo, self.arena, &options).map_err(CliError::from)?;
-        let eye = Eye::new((*shot.photo).clone(), self.arena, options, &detection);
-        let seen = SeenPhoto {
-            bytes: shot.bytes.to_vec(),
-            arena: self.arena,
-            empty: None,
-            detection,
-            decode_time: Duration::ZERO,
-            detect_time: began.elapsed(),
-        };
-        let mut scene = seen.scene(Some(self.radius));
+        let mut scene = Scene::from_detection(&detection, self.arena, self.radius);
         scene.obstacles = self.corrections.applied_to(&scene.obstacles);
         scene.start = scene.start.or(self.start);
         scene.goal = self.goal.or(scene.goal);
@@ -155,8 +144,8 @@ impl FirstLook {
         let sigma = if args.robot_tag.is_some() { PoseSigma::TAGGED } else { PoseSigma::MARKED };
         Ok(WatchedTask {
             way,
-            photo: seen.bytes,
-            eye,
+            photo: shot.bytes.to_vec(),
+            eye: Eye::new((*shot.photo).clone(), self.arena, options, &detection),
             arena: self.arena,
             obstacles: scene.obstacles,
             corrections: self.corrections,
@@ -211,40 +200,31 @@ impl RobotThread {
     ) -> Result<Pose, CliError> {
         let speed = if self.is_simulated() { self.settings.speed } else { 1.0 };
         let Some(client) = &mut self.client else { return Err(stopped()) };
-        let (live, controls) = (&self.live, &self.controls);
-        let corrections = task.corrections.clone();
-        let mut watcher =
-            self.settings.camera.watch(task.eye.clone(), task.arena, corrections, speed);
-        let (mut clock, began) = (RunClock::default(), client.port_mut().now());
-        let mut shown = None::<Instant>;
         if drive.mission().legs().is_empty() {
             return Ok(first_pose(&task.way));
         }
+        let (live, controls, camera) = (&self.live, &self.controls, &self.settings.camera);
+        let corrections = task.corrections.clone();
+        let mut watcher = camera.watch(task.eye.clone(), task.arena, corrections, speed);
+        let began = client.port_mut().now();
+        let mut notes = Notes { run, live, clock: RunClock::default(), began };
+        let mut shown = None::<Instant>;
         loop {
             let wish = match (controls.stops() != stops, controls.is_paused()) {
                 (true, _) => Wish::Stop,
                 (false, true) => Wish::Pause,
                 (false, false) => Wish::Drive,
             };
-            let mut hear = |at: Duration, what| match what {
-                Happening::Drive(DriveEvent::Mission(event)) => {
-                    run.record(event, &mut clock);
-                    if let MissionEvent::Telemetry(telemetry) = event {
-                        let time = run.samples.last().map(|sample| sample.time);
-                        lock(live).hear_on_way(telemetry, time);
-                    }
-                }
-                Happening::Drive(_) => {}
-                Happening::Watch(event) => {
-                    let told = EventDocument::new(at.saturating_sub(began), &event);
-                    let mut live = lock(live);
-                    if live.run.told.len() < MOST_EVENTS {
-                        live.run.told.push(told);
-                    }
-                }
-            };
+            if camera.is_behind() {
+                // No time passes for a robot whose world waits: its last word grows no older.
+                lock(live).keep_word();
+            }
+            if wish == Wish::Stop {
+                watcher.hurry();
+            }
+            let mut hear = |at, what| notes.hear(at, what);
             let arrived = drive.step(client, &mut watcher, wish, &mut hear).map_err(ended)?;
-            if shown.is_none_or(|last| last.elapsed() >= VIEW_INTERVAL) || arrived.is_some() {
+            if shown.is_none_or(|last| last.elapsed() >= VIEW_INTERVAL) {
                 shown = Some(Instant::now());
                 show(drive, client.port_mut().now(), &mut lock(live).run);
             }
@@ -252,6 +232,37 @@ impl RobotThread {
                 return Ok(pose);
             }
             client.port_mut().wait(POLL_INTERVAL).map_err(LinkError::from)?;
+        }
+    }
+}
+
+/// Writes down what happens.
+struct Notes<'a> {
+    run: &'a mut Run,
+    live: &'a Mutex<Live>,
+    clock: RunClock,
+    /// When the drive began, by the port's clock.
+    began: Duration,
+}
+
+impl Notes<'_> {
+    fn hear(&mut self, at: Duration, what: Happening) {
+        match what {
+            Happening::Drive(DriveEvent::Mission(event)) => {
+                self.run.record(event, &mut self.clock);
+                if let MissionEvent::Telemetry(telemetry) = event {
+                    let time = self.run.samples.last().map(|sample| sample.time);
+                    lock(self.live).hear_on_way(telemetry, time);
+                }
+            }
+            Happening::Drive(_) => {}
+            Happening::Watch(event) => {
+                let told = EventDocument::new(at.saturating_sub(self.began), &event);
+                let mut live = lock(self.live);
+                if live.run.told.len() < MOST_EVENTS {
+                    live.run.told.push(told);
+                }
+            }
         }
     }
 }

@@ -344,3 +344,6 @@ impl WatchedDrive {
         }
     }
 }
+
+#[cfg(all(test, feature = "simulation"))]
+mod on_a_simulated_robot;

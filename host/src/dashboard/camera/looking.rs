@@ -1,102 +1,23 @@
 //! The camera's thread: from exposures and frames to pictures, shots and looks.
 
 use super::shot::{Shot, content_type, jpeg};
+use super::watch::Exposed;
 use super::{Arranged, Due, Shared, State};
-use crate::dashboard::corrections::Corrections;
 use crate::dashboard::lock;
 use axum::body::Bytes;
 use hil_sim::camera::Stream;
-use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 use wmr::geometry::{Arena, Pose};
 use wmr::vision::{Photo, check_picture, decode};
 use wmr::watch::source::{Background, SourceError};
-use wmr::watch::{Expected, Eye, Look};
+use wmr::watch::{Eye, Look};
 
 /// The thread looks this often whether its camera is still on.
 const PATIENCE: Duration = Duration::from_millis(100);
 /// Pages get frames so far apart at least.
 const SHOW_INTERVAL: Duration = Duration::from_millis(90);
-/// Looks that wait for the robot's thread, which fetches far more often than a camera sends.
-const WAITING: usize = 8;
-
-/// How a drive is watched.
-#[derive(Debug)]
-pub(super) struct Watch {
-    pub(super) number: u64,
-    /// Gone while it looks.
-    eye: Option<Box<Eye>>,
-    arena: Arena,
-    corrections: Corrections,
-    expected: Expected,
-    /// A time of the wall's clock, and of the port's at that moment.
-    anchor: Option<(Instant, Duration)>,
-    /// Seconds of the port's clock in one of the wall's.
-    speed: f64,
-    looks: VecDeque<Result<Look, SourceError>>,
-}
-
-impl Watch {
-    pub(super) fn new(
-        number: u64,
-        eye: Eye,
-        arena: Arena,
-        corrections: Corrections,
-        speed: f64,
-    ) -> Self {
-        Self {
-            number,
-            eye: Some(Box::new(eye)),
-            arena,
-            corrections,
-            expected: Expected::default(),
-            anchor: None,
-            speed,
-            looks: VecDeque::new(),
-        }
-    }
-
-    pub(super) fn expect(&mut self, at: Duration, pose: Pose) {
-        self.anchor = Some((Instant::now(), at));
-        self.expected.push(at, pose);
-    }
-
-    /// The next look, if there is one.
-    pub(super) fn next(&mut self) -> Result<Look, SourceError> {
-        self.looks.pop_front().unwrap_or(Ok(Look::Nothing))
-    }
-
-    fn push(&mut self, look: Result<Look, SourceError>) {
-        if self.looks.len() >= WAITING {
-            self.looks.pop_front();
-        }
-        self.looks.push_back(look);
-    }
-
-    /// The port's time of an exposure; `None` before the port has told one.
-    fn port_time(&self, exposed: Exposed) -> Option<Duration> {
-        match exposed {
-            Exposed::Port(at) => Some(at),
-            Exposed::Wall(at) => {
-                let (moment, time) = self.anchor?;
-                let ago = moment.saturating_duration_since(at).mul_f64(self.speed);
-                let since = at.saturating_duration_since(moment).mul_f64(self.speed);
-                Some((time + since).saturating_sub(ago))
-            }
-        }
-    }
-}
-
-/// When a picture was exposed.
-#[derive(Clone, Copy, Debug)]
-enum Exposed {
-    /// By the clock of a simulated robot's port.
-    Port(Duration),
-    /// By the clock on the wall.
-    Wall(Instant),
-}
 
 /// A picture that can be looked at, and the file that a page shows.
 struct Picture {
@@ -247,14 +168,7 @@ impl Looking<'_> {
         let Some(watch) = state.watch.as_mut().filter(|watch| watch.number == number) else {
             return;
         };
-        watch.eye = Some(eye);
-        let look = match look {
-            Look::Seen(mut sight) => {
-                sight.obstacles = watch.corrections.applied_to(&sight.obstacles);
-                Look::Seen(sight)
-            }
-            look => look,
-        };
+        let look = watch.give_back(eye, look);
         let problem = match &look {
             Look::Failed(why) => Some(why.clone()),
             Look::Seen(_) | Look::Nothing => None,
@@ -267,9 +181,9 @@ impl Looking<'_> {
         let mut state = lock(&self.shared.state);
         let watch = state.watch.as_mut()?;
         let exposed = watch.port_time(picture.exposed)?;
-        let expected = watch.expected.at(exposed);
+        let expected = watch.expected_at(exposed);
         let (number, arena) = (watch.number, watch.arena);
-        Some(Job { number, eye: watch.eye.take()?, exposed, expected, arena })
+        Some(Job { number, eye: watch.take_eye()?, exposed, expected, arena })
     }
 
     fn tell(&self, problem: Option<String>) {
@@ -345,49 +259,6 @@ fn fetch(source: &Background, delay: Duration) -> Came {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Arc;
-    use std::time::{Duration, Instant};
-    use wmr::vision::{DetectOptions, detect};
-
-    fn watch(speed: f64) -> Watch {
-        let pixels = (0..240 * 160).map(|i| {
-            let (x, y) = (i % 240, i / 240);
-            let floor = (20..220).contains(&x) && (20..140).contains(&y);
-            let frame = (16..224).contains(&x) && (16..144).contains(&y) && !floor;
-            if frame { [30; 3] } else { [230; 3] }
-        });
-        let photo = Photo::from_rgb(240, 160, pixels.collect()).unwrap();
-        let arena = Arena { width: 2.0, height: 1.2 };
-        let seen = detect(&photo, arena, &DetectOptions::default()).unwrap();
-        let eye = Eye::new(photo, arena, DetectOptions::default(), &seen);
-        Watch::new(1, eye, arena, Corrections::default(), speed)
-    }
-
-    /// A frame that was exposed 0.2 s before the port said 10 s is of 9.8 s; of a robot on twice the pace, of 9.6 s.
-    #[test]
-    fn exposures_are_told_in_the_port_s_time() {
-        let now = Instant::now();
-        for (speed, wanted) in [(1.0, 9.8), (2.0, 9.6)] {
-            let mut watch = watch(speed);
-            assert_eq!(watch.port_time(Exposed::Wall(now)), None);
-            watch.anchor = Some((now, Duration::from_secs(10)));
-            let exposed = now.checked_sub(Duration::from_millis(200)).unwrap();
-            let at = watch.port_time(Exposed::Wall(exposed)).unwrap();
-            assert!((at.as_secs_f64() - wanted).abs() < 1e-9, "{at:?}");
-            let later = watch.port_time(Exposed::Wall(now + Duration::from_millis(100))).unwrap();
-            assert!((later.as_secs_f64() - 10.0 - 0.1 * speed).abs() < 1e-9, "{later:?}");
-        }
-    }
-
-    #[test]
-    fn of_looks_that_nobody_fetches_the_newest_are_kept() {
-        let mut watch = watch(1.0);
-        for number in 0..20 {
-            watch.push(Ok(Look::Failed(number.to_string())));
-        }
-        assert_eq!(watch.looks.len(), WAITING);
-        assert!(matches!(watch.next(), Ok(Look::Failed(why)) if why == "12"));
-    }
 
     #[test]
     fn a_camera_that_is_switched_off_takes_nothing_more() {

@@ -6,13 +6,14 @@
 //! folder, URL ─► frame ───┘                      └─► eye ─► looks ─► robot's thread
 //! ```
 //! The camera's thread draws or decodes, and looks; nobody waits for it. Of what it cannot keep up with only the
-//! newest is kept. A simulated world stands still while its camera is behind, so that however slow the computer
-//! is, a picture is as old as its times say. Seconds of the port's clock where nothing else is said; pixels only
+//! newest is kept. The world of a watched simulated robot stands still while its camera is behind, so that
+//! however slow the computer is, a picture is as old as its times say; a robot that is to stop waits for nothing. Seconds of the port's clock where nothing else is said; pixels only
 //! for frames and corners.
 
 mod floor;
 mod looking;
 mod shot;
+mod watch;
 
 pub(super) use floor::{Arranged, Thing};
 pub(super) use shot::Shot;
@@ -21,10 +22,11 @@ use super::corrections::Corrections;
 use super::lock;
 use floor::Floor;
 use hil_sim::camera::Exposure;
-use looking::{Watch, look_on};
+use looking::look_on;
 use serde_json::{Value, json};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
+use watch::Watch;
 use wmr::geometry::{Arena, Pose};
 use wmr::vision::Camera;
 use wmr::watch::source::{self, Background, SourceError};
@@ -33,7 +35,7 @@ use wmr::watch::{Eye, Look, Watcher};
 /// The name of the simulated camera over the simulated robot.
 pub(super) const SIMULATED: &str = "sim";
 /// A simulated world waits so long for its camera at most.
-const LONGEST_WAIT: Duration = Duration::from_secs(1);
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
 
 /// The camera, shared by the requests, its own thread and the robot's.
 #[derive(Clone, Debug, Default)]
@@ -147,9 +149,11 @@ impl Lookout {
         }
     }
 
-    /// Whether a frame waits to be drawn, but not for too long.
+    /// Whether the world of a simulated robot is to wait: a drive is watched, and a frame of it is not drawn yet.
     pub(super) fn is_behind(&self) -> bool {
-        lock(&self.0.state).due.as_ref().is_some_and(|(_, since)| since.elapsed() < LONGEST_WAIT)
+        let state = lock(&self.0.state);
+        let waits = state.watch.as_ref().is_some_and(Watch::waits);
+        waits && state.due.as_ref().is_some_and(|(_, since)| since.elapsed() < LONGEST_WAIT)
     }
 
     /// From now on pictures are looked at with `eye`, corrected as a person has said; `speed` is how many of the
@@ -186,6 +190,15 @@ pub(super) struct LookoutWatcher {
     number: u64,
     /// The camera that was on when the drive began.
     turn: u64,
+}
+
+impl LookoutWatcher {
+    /// No world waits for a frame any more: a robot that is to stop does so at once.
+    pub(super) fn hurry(&self) {
+        if let Some(watch) = &mut lock(&self.lookout.0.state).watch {
+            watch.hurry();
+        }
+    }
 }
 
 impl Drop for LookoutWatcher {
