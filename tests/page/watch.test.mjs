@@ -2,7 +2,7 @@
 // camera that is dark. The simulated world waits for its camera, so a slow computer changes no outcome.
 
 import assert from 'node:assert/strict';
-import { clickFloor, dragFloor, openSample, planTo, post, shot, state, until as within } from './browser.mjs';
+import { assertLegible, clickFloor, dragFloor, openSample, planTo, post, shot, state, until as within } from './browser.mjs';
 import { onPage, the } from './suite.mjs';
 
 /** A floor of 1.6 x 1.2 m with two boxes beside the way from the left to the right. */
@@ -67,7 +67,7 @@ onPage('the camera of the sample arena shows its floor and watches the drive acr
   const body = await page.locator('#robot').boundingBox();
   assert.ok(ellipse.width > 0.5 && ellipse.width < body.width, `${ellipse.width} in ${body.width}`);
   await page.waitForTimeout(1500);
-  await shot(page, '6-watched');
+  await shot(page, '9-watched');
   const report = await assertReached(page);
   assert.ok(report.watch.used > 20, JSON.stringify(report.watch));
   assert.match(await page.locator('#result').innerText(), /Goal reached/);
@@ -85,7 +85,7 @@ onPage('a box that rolls into the way is seen, said and not touched', async (pag
   await until(page, () => window.wmr.state.drive.view?.pose[0] > 0.4);
   assert.equal((await post(the.server, 'things', { at: [1.0, 0.9], to: [1.0, 0.55], speed: 0.3 })).status, 200);
   await page.waitForSelector('.predicted', { state: 'attached', timeout: LONG.patience });
-  await shot(page, '6-rolls');
+  await shot(page, '9-rolls');
   await until(page, () => window.wmr.state.drive.told.some(({ event }) => ['held', 'rerouted'].includes(event)));
   await until(page, () => document.querySelectorAll('#told li').length > 0);
   assert.match(await page.locator('#told').innerText(), /in(to)? the way|new path/i);
@@ -100,7 +100,7 @@ onPage('a box that is set down in the way is waited for or gone round', async (p
   await until(page, () => window.wmr.state.drive.view?.pose[0] > 0.35);
   await page.click('#set-ahead');
   await until(page, () => window.wmr.state.drive.told.some(({ event }) => event === 'rerouted'));
-  await shot(page, '6-round');
+  await shot(page, '9-round');
   await assertReached(page);
 }, LONG);
 
@@ -113,10 +113,10 @@ onPage('where no way is left the page says why the robot waits, and STOP ends it
   for (const y of [0.4, 1]) assert.equal((await post(the.server, 'things', { at: [1, y], size: [0.1, 0.8] })).status, 200);
   await until(page, () => /The robot waits: no way/.test(document.getElementById('watch-words').textContent));
   assert.ok((await page.locator('#hint').innerText()).length > 20);
-  await shot(page, '6-waits');
-  await page.emulateMedia({ colorScheme: 'dark' });
-  await shot(page, '6-waits-dark');
-  await page.emulateMedia({ colorScheme: 'light' });
+  for (const colorScheme of ['dark', 'light']) {
+    await page.emulateMedia({ colorScheme });
+    await assertLegible(page, `9-waits-1280-${colorScheme}`);
+  }
   const began = Date.now();
   await page.keyboard.press('Escape');
   await until(page, () => !window.wmr.state.drive.active && ['stopped', 'idle'].includes(window.wmr.state.base.state));
@@ -131,7 +131,7 @@ onPage('a camera that is dark, moved or silent is said in words', async (page) =
   await says('shows the floor');
   await post(the.server, 'faults', { camera: 'dark' });
   await says('black');
-  await shot(page, '6-dark');
+  await shot(page, '9-dark');
   await page.click('#drive');
   await page.waitForSelector('#drive-problem:not([hidden])');
   assert.match(await page.locator('#drive-problem').innerText(), /black/);
@@ -163,10 +163,9 @@ onPage('on a phone, in the dark and by keyboard', async (page) => {
   await page.focus('#set-ahead');
   await page.keyboard.press('Enter');
   await until(page, () => window.wmr.state.drive.told.length > 0);
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-  assert.ok(wide <= 360, `${wide} pixels`);
-  await shot(page, '6-phone-dark');
-  await page.emulateMedia({ colorScheme: 'light' });
-  await shot(page, '6-phone');
+  for (const colorScheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme });
+    await assertLegible(page, `9-watched-360-${colorScheme}`);
+  }
   await assertReached(page);
 }, { ...LONG, width: 360, height: 740, colorScheme: 'dark' });

@@ -102,7 +102,7 @@ impl Lookout {
     }
 
     pub(super) fn is_simulated(&self) -> bool {
-        self.source().as_deref() == Some(SIMULATED)
+        lock(&self.0.state).is_simulated()
     }
 
     /// The lens of the simulated camera, if that is on and hangs over a floor.
@@ -142,7 +142,7 @@ impl Lookout {
     /// A frame of the simulated camera, exposed over the floor as it was arranged then.
     pub(super) fn offer(&self, exposure: Exposure, arranged: Arranged) {
         let mut state = lock(&self.0.state);
-        if state.source.is_some() {
+        if state.is_simulated() {
             let since = state.due.take().map_or_else(Instant::now, |(_, since)| since);
             state.due = Some((Due { exposure, arranged }, since));
             self.0.wake.notify_all();
@@ -174,6 +174,10 @@ impl Lookout {
 }
 
 impl State {
+    fn is_simulated(&self) -> bool {
+        self.source.as_deref() == Some(SIMULATED)
+    }
+
     fn change(&mut self, source: Option<Arc<str>>) {
         self.source = source;
         self.turn += 1;
