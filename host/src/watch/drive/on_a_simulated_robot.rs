@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::Rect;
 use crate::legs::{DEFAULT_LIMITS, LegOptions};
+use crate::link::drive::STOP_TIMEOUT;
 use crate::plan::PlanOptions;
 use crate::scene::{Goal, Scene};
 use crate::simulated::robot_in;
@@ -129,6 +130,7 @@ fn a_stop_during_a_pause_ends_the_drive() {
     let wish = |time| if time > 3.0 { Wish::Stop } else { paused(time) };
     let story = drive(None, wish);
     assert!(matches!(story.result, Err(WatchError::Drive(DriveError::Stopped))));
-    let last = story.path.last().unwrap();
-    assert!(last.0 < 3.0 + LATENCY, "{last:?}");
+    let (last, held) = (story.path.last().unwrap(), story.at(2.0 + LATENCY));
+    assert!(last.0 < 3.0 + STOP_TIMEOUT.as_secs_f64(), "the robot has confirmed it: {last:?}");
+    assert!(last.1.distance(held) < 1e-3, "it has not moved: {last:?} {held:?}");
 }
