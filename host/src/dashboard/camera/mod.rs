@@ -7,8 +7,8 @@
 //! ```
 //! The camera's thread draws or decodes, and looks; nobody waits for it. Of what it cannot keep up with only the
 //! newest is kept. The world of a watched simulated robot stands still while its camera is behind, so that
-//! however slow the computer is, a picture is as old as its times say; a robot that is to stop waits for nothing. Seconds of the port's clock where nothing else is said; pixels only
-//! for frames and corners.
+//! however slow the computer is, a picture is as old as its times say; a robot that is to stop waits for nothing.
+//! Seconds of the port's clock where nothing else is said; pixels only for frames and corners.
 
 mod floor;
 mod looking;
