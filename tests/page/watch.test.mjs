@@ -24,6 +24,13 @@ async function openHall(page, goal = GOAL) {
   await until(page, () => window.wmr.state.plan && !window.wmr.state.planning);
 }
 
+/** Presses a key on what is shown: what is hidden still takes no focus. */
+async function pressOn(page, selector, key) {
+  await page.waitForSelector(`${selector}:visible:enabled`);
+  await page.focus(selector);
+  await page.keyboard.press(key);
+}
+
 async function switchOn(page) {
   await page.click('[data-step=drive]');
   await page.check('#watch');
@@ -152,16 +159,12 @@ onPage('a camera that is dark, moved or silent is said in words', async (page) =
 
 onPage('on a phone, in the dark and by keyboard', async (page) => {
   await openHall(page);
-  await page.focus('[data-step=drive]');
-  await page.keyboard.press('Enter');
-  await page.focus('#watch');
-  await page.keyboard.press('Space');
+  await pressOn(page, '[data-step=drive]', 'Enter');
+  await pressOn(page, '#watch', 'Space');
   await page.waitForSelector('#live', { state: 'attached' });
-  await page.focus('#drive');
-  await page.keyboard.press('Enter');
+  await pressOn(page, '#drive', 'Enter');
   await until(page, () => window.wmr.state.drive.view?.pose[0] > 0.35);
-  await page.focus('#set-ahead');
-  await page.keyboard.press('Enter');
+  await pressOn(page, '#set-ahead', 'Enter');
   await until(page, () => window.wmr.state.drive.told.length > 0);
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });

@@ -345,5 +345,6 @@ impl WatchedDrive {
     }
 }
 
-#[cfg(all(test, feature = "simulation"))]
+#[cfg(test)]
+#[cfg(feature = "simulation")]
 mod on_a_simulated_robot;
