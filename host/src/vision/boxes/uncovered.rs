@@ -131,8 +131,8 @@ impl Explained<'_> {
         (things, bounds.collect())
     }
 
-    /// The regions of a patch of a thing with these bounds that are surely no noise and too far from `outlines` to be a matter of their
-    /// margins, which are widened by the others.
+    /// The regions of a patch of a thing with these bounds that are surely no noise and too far from `outlines` to
+    /// be a matter of their margins, which are widened by the others.
     fn beyond(
         &self,
         patch: &[usize],
