@@ -2,12 +2,19 @@
 //!
 //! All in cells of the evidence: a cell that is surely no background and that nothing explains counts 1.
 
+use super::evidence::Evidence;
 use super::projection::LeaningBox;
 use super::search::{CELL_CHARGE, SHADOW_DOUBT, Search, face_cost};
 use crate::vision::image::{Raster, regions};
 
 /// What a box costs when whole explanations are compared, in least gains.
 const BOX_CHARGE: f32 = 8.0;
+
+/// How much of the floor is in shadow, square metres.
+pub(super) fn shaded_area(evidence: &Evidence) -> f64 {
+    let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
+    f64::from(shaded) / evidence.frame.scale.powi(2)
+}
 
 impl Search<'_> {
     /// The cost of every cell before any box: what is not floor, and shadow that nothing casts.
@@ -82,7 +89,6 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::evidence::Evidence;
     use super::*;
     use crate::geometry::{Arena, Rect};
     use crate::vision::plan_view::PlanFrame;

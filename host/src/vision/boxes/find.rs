@@ -4,6 +4,7 @@
 //! [Alghannam, Sec. II]. Here what is neither floor nor shadow is explained by boxes, and footprints
 //! are told from outlines wherever visible sides show that boxes lean.
 
+use super::balance::shaded_area;
 use super::border_colours::BorderColours;
 use super::evidence::{Evidence, coarse_scale};
 use super::footprint::without_floor;
@@ -106,7 +107,7 @@ pub(crate) fn find(
         };
         let picture = Picture { photo, map, look: &look, robot, viewpoint };
         let scene = picture.explain(&evidence);
-        let left = picture.left_over(&scene, &evidence);
+        let left = scene.search(&evidence).left_over(&scene.boxes);
         let clearly = |best: &Reading| scene.lamp.is_some() && left < CLEARLY * best.left;
         if best.as_ref().is_none_or(clearly) {
             best = Some(Reading { shadow, evidence, scene, left });
@@ -118,8 +119,8 @@ pub(crate) fn find(
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
     let is_deep = shadow.is_some_and(|shadow| shadow.offset[0] < -DEEP_SHADOW);
-    let is_cast = !is_deep || picture.shade_left(&first, &evidence) < MOST_LEFT;
-    if first.lamp.is_some() && is_cast || shade(&evidence) < LEAST_SHADE {
+    let is_cast = !is_deep || first.shade_left(&evidence) < MOST_LEFT;
+    if first.lamp.is_some() && is_cast || shaded_area(&evidence) < LEAST_SHADE {
         return picture.settle(first, &evidence, true);
     }
     let dark = picture.explain(&evidence.judged_again(&look, robot, false));
@@ -186,12 +187,6 @@ struct Standing {
     trace: Trace,
 }
 
-/// How much of the floor is in shadow, square metres.
-fn shade(evidence: &Evidence) -> f64 {
-    let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
-    f64::from(shaded) / evidence.frame.scale.powi(2)
-}
-
 /// A reading of shadow, what it makes of the picture, and how much it leaves unexplained, cells.
 struct Reading {
     shadow: Option<Shadow>,
@@ -206,6 +201,17 @@ struct Scene {
     foot: Option<Point>,
     lamp: Option<Lamp>,
     leans: Option<bool>,
+}
+
+impl Scene {
+    fn search<'a>(&self, evidence: &'a Evidence) -> Search<'a> {
+        Search { evidence, foot: self.foot, lamp: self.lamp }
+    }
+
+    /// The share of the shadow that it leaves unexplained.
+    fn shade_left(&self, evidence: &Evidence) -> f32 {
+        self.search(evidence).unexplained_shade(&self.boxes)
+    }
 }
 
 /// A picture and what is known of it before boxes are searched for.
@@ -245,24 +251,13 @@ impl Picture<'_> {
         Scene { boxes, foot, lamp, leans: (leans || is_flat).then_some(leans) }
     }
 
-    /// What an explanation leaves unexplained, in cells.
-    fn left_over(&self, scene: &Scene, evidence: &Evidence) -> f32 {
-        Search { evidence, foot: scene.foot, lamp: scene.lamp }.left_over(&scene.boxes)
-    }
-
-    /// The share of the shadow that an explanation leaves unexplained.
-    fn shade_left(&self, scene: &Scene, evidence: &Evidence) -> f32 {
-        let search = Search { evidence, foot: scene.foot, lamp: scene.lamp };
-        search.unexplained_shade(&scene.boxes)
-    }
-
     /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.
     fn lit(&self, evidence: &Evidence, lamp: Lamp, dark: &[LeaningBox]) -> Option<Scene> {
         let foot = self.viewpoint.map(|view| view.foot);
         let search = Search { evidence, foot, lamp: Some(lamp) };
         let boxes = search.run(&with(&proposals(evidence), dark));
-        let left = search.unexplained_shade(&boxes);
-        (left < MOST_LEFT).then_some(Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) })
+        let scene = Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) };
+        (scene.shade_left(evidence) < MOST_LEFT).then_some(scene)
     }
 
     /// The boxes of an explanation of the whole picture, with what it tells of floor and light.
