@@ -5,10 +5,11 @@
 //! e^d times that of the floor at d' = ln((1 + e^d) / 2), nearer to the floor if the thing is dark.
 //! Distances in standard deviations of the floor's colour; metres in the arena frame.
 
-use super::evidence::{BORDER_SHADOW, HALF_SHADOW, ROBOT_SHADOW, widened};
+use super::evidence::{BORDER_SHADOW, ROBOT_SHADOW};
 use super::floor_lines::{FloorLines, thick};
 use super::implausible::joins_opposite_sides;
 use super::projection::LeaningBox;
+use super::shade::{HALF_SHADOW, widened};
 use super::uncovered::Explained;
 use crate::geometry::Point;
 use crate::vision::appearance::{FOREIGN, Look};

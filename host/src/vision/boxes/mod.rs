@@ -17,6 +17,7 @@ mod projection;
 mod proposals;
 mod refine;
 mod search;
+mod shade;
 mod shaped;
 mod tighten;
 mod uncovered;
