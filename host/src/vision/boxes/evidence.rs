@@ -20,7 +20,7 @@ use crate::vision::robot::RobotTop;
 const COARSE_SCALE: f64 = 110.0;
 const COARSE_CELLS: f64 = 300.0;
 /// Blur beside lit floor is at most this deep, a natural logarithm.
-const DEEPEST: f32 = -1.5;
+pub(super) const DEEPEST: f32 = -1.5;
 /// Cells this close to the border are blurred with it.
 const BORDER_BLUR: f64 = 1.2;
 /// Cells beyond the border say less, because what lies there is not known.
@@ -190,7 +190,7 @@ fn cells(
     let features = plan_view(photo, map, frame).map(feature);
     let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
-        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+        let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM);
         let seen = photo.holds(map.to_photo(point)) && !look.is_left_out(point, scale);
         match arena.beyond(point) {
             _ if of_robot || !seen => 0.0,
@@ -223,8 +223,7 @@ fn background(
         let distance = match frame.arena.beyond(point) {
             None => {
                 let difference = judged.cells()[index];
-                let of_robot =
-                    robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+                let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW);
                 let blurred = !(shadows.is_some() && floor.shadow.is_some()) && rim.cells()[index];
                 let distance = if lonely.cells()[index] {
                     difference.lit
@@ -267,8 +266,7 @@ fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>
     let width = judged.width();
     Raster::from_fn(width, judged.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
-        let of_robot =
-            robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+        let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW);
         if of_robot || frame.arena.depth(point) < BORDER_SHADOW {
             return 0.0;
         }

@@ -16,6 +16,7 @@ mod merging;
 mod projection;
 mod proposals;
 mod refine;
+mod robot_shadow;
 mod search;
 mod shade;
 mod shaped;

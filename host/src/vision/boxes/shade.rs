@@ -99,8 +99,7 @@ pub(super) fn lonely_shadow(
     for row in 0..height {
         for column in 0..width {
             let (point, difference) = judged(column, row);
-            let of_robot =
-                robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+            let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM);
             if difference.floor <= FOREIGN && frame.arena.beyond(point).is_none() && !of_robot {
                 continue;
             }
