@@ -306,6 +306,7 @@ impl Picture<'_> {
         let mut shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
         let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
         let added = explained.complete(&foreign, &shapes, &mut boxes);
+        boxes.extend(explained.unseen_casters());
         let tightener = Tightener { photo: self.photo, map: self.map, look };
         for added in boxes.iter_mut().skip(outlines.len()) {
             *added = tightener.tighten(*added);

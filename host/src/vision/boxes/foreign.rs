@@ -8,6 +8,7 @@
 use super::evidence::{BORDER_SHADOW, DEEPEST, ROBOT_SHADOW};
 use super::floor_lines::{FloorLines, thick};
 use super::implausible::joins_opposite_sides;
+use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::robot_shadow::is_robot_shadow;
 use super::shade::{HALF_SHADOW, widened};
@@ -206,13 +207,7 @@ impl Explained<'_> {
         shaded: &Raster<bool>,
     ) -> Raster<f32> {
         let width = distances.width();
-        let casts: Vec<(LeaningBox, Point)> = self
-            .lamp
-            .iter()
-            .flat_map(|lamp| {
-                self.boxes.iter().filter_map(|&seen| Some((lamp.shadow(seen)?, lamp.foot)))
-            })
-            .collect();
+        let casts = self.casts();
         let point =
             |cell: usize| self.look.view.point((cell % width) as f64, (cell / width) as f64);
         for patch in regions(shaded) {
@@ -262,6 +257,15 @@ impl Explained<'_> {
         distances
     }
 
+    /// The shadows that a known lamp makes of the boxes, each with the lamp's foot point.
+    pub(super) fn casts(&self) -> Vec<(LeaningBox, Point)> {
+        let shadow = |lamp: &Lamp| {
+            let shadows = self.boxes.iter().filter_map(|&seen| lamp.shadow(seen));
+            shadows.map(|shadow| (shadow, lamp.foot)).collect()
+        };
+        self.lamp.as_ref().map(shadow).unwrap_or_default()
+    }
+
     fn is_of_robot(&self, point: Point) -> bool {
         self.robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM)
     }
@@ -274,12 +278,12 @@ impl Explained<'_> {
     }
 
     /// Whether the robot's shadow may lie there.
-    fn is_near_robot(&self, point: Point) -> bool {
+    pub(super) fn is_near_robot(&self, point: Point) -> bool {
         self.robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW)
     }
 
     /// Whether the shadow that a known light makes of a box or of the border may lie there.
-    fn is_in_light_shadow(&self, point: Point, casts: &[(LeaningBox, Point)]) -> bool {
+    pub(super) fn is_in_light_shadow(&self, point: Point, casts: &[(LeaningBox, Point)]) -> bool {
         let of_border = self.lamp.is_some() && self.look.floor.inside(point) < BORDER_SHADOW;
         of_border
             || casts.iter().any(|&(shadow, foot)| shadow.spans(Some(foot), point, HALF_SHADOW))

@@ -4,6 +4,7 @@
 mod balance;
 mod border_colours;
 mod candidates;
+mod caster;
 mod evidence;
 mod find;
 mod floor_lines;
