@@ -15,6 +15,8 @@ const WIDENED: f64 = 1.1;
 const MOSTLY: f64 = 0.97;
 /// A shadow fills at least this share of the strip beyond what is hidden with the robot.
 const LEAST_FILL: f64 = 0.5;
+/// It is so wide at least, radii.
+const LEAST_WIDTH: f64 = 1.5;
 /// Cells at its rim are blurred.
 const BLUR: f64 = 1.5;
 
@@ -31,8 +33,11 @@ pub(super) fn is_robot_shadow(points: &[Point], cell: f64, robot: RobotTop, rim:
     let [dx, dy] = sum.map(|part| part / away);
     let along = |p: &Point| (p.x - base.x) * dx + (p.y - base.y) * dy;
     let farthest = points.iter().map(along).fold(0.0, f64::max);
+    let across = |p: &Point| (p.y - base.y) * dx - (p.x - base.x) * dy;
+    let ends = points.iter().map(across).fold([0.0; 2], |[a, b], at: f64| [at.min(a), at.max(b)]);
     let length = farthest - radius;
-    if length > LONGEST * radius || farthest < rim * radius {
+    let is_wide = ends[1] - ends[0] > LEAST_WIDTH * radius;
+    if length > LONGEST * radius || farthest < rim * radius || !is_wide {
         return false;
     }
     let end = Point::new(base.x + length * dx, base.y + length * dy);
@@ -90,7 +95,8 @@ mod tests {
 
     #[test]
     fn a_box_beside_the_robot_is_none() {
-        for (half, depth) in [(0.02, 0.05), (0.03, 0.04), (0.05, 0.06), (0.075, 0.05), (0.1, 0.03)]
+        for (half, depth) in
+            [(0.02, 0.05), (0.03, 0.04), (0.05, 0.06), (0.058, 0.04), (0.075, 0.05), (0.1, 0.03)]
         {
             let is_dark = |point: Point| {
                 (point.y - 0.5).abs() < half && point.x > 0.58 && point.x < 0.6 + depth
