@@ -16,6 +16,8 @@ pub(super) const HALF_SHADOW: f64 = 0.03;
 const SOFTNESS: f32 = 13.0;
 /// The step from pixel to pixel of the faintest box's edge if the picture is blurred.
 const LEAST_BLURRED: f32 = 0.025;
+/// Steps on a floor are no greater than this, standard deviations of its grain.
+const GRAIN: f32 = 5.0;
 /// Cells within which a shadow touches what casts it.
 const TOUCH: i64 = 2;
 
@@ -45,9 +47,9 @@ pub(super) fn soft_shadow(
     let sharpest = LEAST_BLURRED * finest as f32;
     let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
     let width = judged.width();
-    let is_smooth = |cell: usize, next: usize| {
-        (features.cells()[cell][0] - features.cells()[next][0]).abs() < steepest
-    };
+    let step =
+        |cell: usize, next: usize| (features.cells()[cell][0] - features.cells()[next][0]).abs();
+    let is_smooth = |cell: usize, next: usize| step(cell, next) < steepest;
     let is_dim = |cell: usize| {
         let point = frame.point((cell % width) as f64, (cell / width) as f64);
         judged.cells()[cell].floor < SURE && frame.arena.beyond(point).is_none()
@@ -58,9 +60,12 @@ pub(super) fn soft_shadow(
         let rim = patch.iter().flat_map(|&cell| soft.beside(cell).map(move |next| (cell, next)));
         let floor_beside =
             rim.filter(|&(_, next)| lit.cells()[next] || !soft.cells()[next] && is_dim(next));
-        let (smooth, sharp): (Vec<_>, Vec<_>) =
+        let (smooth, steep): (Vec<_>, Vec<_>) =
             floor_beside.partition(|&(cell, next)| is_smooth(cell, next));
-        if sharp.len() > smooth.len() {
+        let is_sharp =
+            |&&(cell, next): &&(usize, usize)| step(cell, next) > GRAIN * floor.spread[0];
+        let sharp = steep.iter().filter(is_sharp).count();
+        if sharp > smooth.len() {
             patch.iter().for_each(|&cell| soft.cells_mut()[cell] = false);
         }
     }
