@@ -268,7 +268,7 @@ fn watched(
     let route = Route { legs, length: file.length, margin: way.options.margin };
     let sigma = if args.vision.robot_tag.is_some() { TAGGED } else { MARKED };
     let patience = Duration::from_secs_f64(args.watch_patience);
-    let options = WatchOptions { router, sigma, patience };
+    let options = WatchOptions { router, sigma, patience, foresees: true };
     WatchedDrive::new(options, limits, first_pose(way), route, obstacles)
 }
 

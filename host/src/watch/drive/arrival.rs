@@ -34,7 +34,7 @@ impl WatchedDrive {
         self.mission = Mission::new(route.legs, to_wire(pose));
         self.driver = Driver::default();
         (self.hold, self.next_course) = (None, None);
-        let obstacles = self.floor.obstacles();
+        let obstacles = self.floor.standing();
         self.course = Course { obstacles, margin: route.margin, slow };
         self.statistics.replans += 1;
         self.events.push(WatchEvent::Rerouted { legs, length, at_rest: true, slow });
