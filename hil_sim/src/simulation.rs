@@ -8,7 +8,7 @@
 //! Time passes only in [`Simulation::wait`], so a run is the same every time and as fast as it computes.
 
 use crate::base::{TruePose, WheeledBase};
-use crate::camera::{Frame, Stream};
+use crate::camera::{Exposure, Frame, Stream};
 use crate::motion::{Motion, Mover};
 use crate::script::{Change, Condition, Glance, Script, Timeline};
 use crate::wire::{Faults, Pace, Wire};
@@ -138,6 +138,21 @@ impl<B: Firmware> Simulation<B> {
         self.camera.as_mut()?.take(now)
     }
 
+    /// The same before it is drawn.
+    pub fn take_exposure(&mut self) -> Option<Exposure> {
+        let now = self.now();
+        self.camera.as_mut()?.take_exposure(now)
+    }
+
+    /// From now on the robot stands at `pose`, which it does not know, in `world` or, without one, where it has
+    /// been; over it hangs this camera. Collisions are counted anew.
+    pub fn arrange(&mut self, world: Option<World>, pose: TruePose, camera: Stream) {
+        self.world = world.or(self.world.take());
+        self.camera = Some(camera);
+        self.base.place(pose);
+        self.collision_log = CollisionLog::default();
+    }
+
     /// The wires, to the robot and to the host.
     pub fn wires(&mut self) -> [&mut Wire; 2] {
         [&mut self.to_robot, &mut self.to_host]
@@ -243,7 +258,7 @@ impl<B: Firmware> Simulation<B> {
                 self.base.place(TruePose { x, y, heading: heading + turn });
             }
             Change::Place(pose) => self.base.place(pose),
-            Change::Add(shape, motion) => self.add(shape, motion),
+            Change::Add(shape, motion) => self.set_down(shape, motion),
             Change::Remove(shape, motion) => {
                 if let Some(world) = &mut self.world {
                     world.shapes.retain(|is| *is != shape || motion != Motion::Still);
@@ -254,7 +269,8 @@ impl<B: Firmware> Simulation<B> {
         Ok(())
     }
 
-    fn add(&mut self, shape: Shape, motion: Motion) {
+    /// A shape that comes into the world, if there is one, and moves or stays.
+    pub fn set_down(&mut self, shape: Shape, motion: Motion) {
         let Some(world) = &mut self.world else { return };
         match motion {
             Motion::Still => world.shapes.push(shape),

@@ -240,7 +240,8 @@ fn faults_strike_while_it_drives_and_end_when_they_are_taken_back() {
     let state = server.when("at rest", is_at_rest);
     assert_eq!(state["run"]["report"]["reached"], false, "{}", state["run"]);
     assert!(state["run"]["error"]["help"].is_string());
-    server.done("faults", &json!({"loss": 0.1}));
+    // Of the few frames of a short drive one in ten may by chance all come through.
+    server.done("faults", &json!({"loss": 0.3}));
     server.plan_sample();
     server.done("drive", &json!({}));
     let state = server.when("at rest", is_at_rest);

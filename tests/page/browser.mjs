@@ -3,7 +3,8 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -85,18 +86,33 @@ export async function open(server, { width = 1280, height = 860, colorScheme = '
 
 export const shot = (page, name) => page.screenshot({ path: `${shots}${name}.png` });
 
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/** Whether all can read what is shown, nothing is too wide, and STOP is in view; with a screenshot. */
+export async function assertLegible(page, name) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => window.axe.run({ resultTypes: ['violations'] }));
+  const serious = found.violations.filter(({ impact }) => ['serious', 'critical'].includes(impact));
+  assert.deepEqual(serious.map(({ id, nodes }) => `${name}: ${id} ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`), []);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `${name} is ${wide} pixels too wide`);
+  const stop = await page.locator('#stop').boundingBox();
+  assert.ok(stop.x >= 0 && stop.x + stop.width <= page.viewportSize().width && stop.y >= 0, `${name}: STOP is in view`);
+  await shot(page, name);
+}
+
 /** The README's picture. */
 export const readmeShot = (page) => page.screenshot({ path: `${shots}readme.jpg`, type: 'jpeg', quality: 82 });
 
 /** What the page shows. */
 export const state = (page) => page.evaluate(() => structuredClone({ ...window.wmr.state }));
 
-/** Waits for a condition, a function; says what the page shows if it never holds. */
-export async function until(page, condition, argument) {
+/** Waits for a condition, a function; says what the page shows if it does not hold in time, milliseconds. */
+export async function until(page, condition, argument, timeout = 20_000) {
   // The page forbids text to be run, and a text that is looked at twice would be.
   assert.equal(typeof condition, 'function');
   try {
-    await page.waitForFunction(condition, argument, { timeout: 20_000 });
+    await page.waitForFunction(condition, argument, { timeout });
   } catch (error) {
     const { step, start, goal, plan, planProblem, problem, base, drive, working, scene } = await state(page);
     const shown = { step, start, goal, length: plan?.length, planProblem, problem, base, drive, working, obstacles: scene?.obstacles };

@@ -21,7 +21,7 @@ pub use light::Light;
 pub use render::{Ground, Stage};
 pub use sensor::Sensor;
 pub use solid::{Colour, Mark, Solid};
-pub use stream::{CameraFaults, Frame, Stream, Timing};
+pub use stream::{CameraFaults, Exposure, Frame, Stream, Timing};
 
 use crate::base::TruePose;
 use crate::motion::Mover;

@@ -74,13 +74,21 @@ pub struct Stream {
     last: Vec<u8>,
 }
 
+/// A frame that is not drawn yet: what a camera would show, and when.
 #[derive(Clone, Debug)]
-struct Exposure {
+pub struct Exposure {
     number: u64,
     exposed: Duration,
     delivered: Duration,
     faults: CameraFaults,
     stage: Stage,
+}
+
+impl Exposure {
+    /// When it was exposed.
+    pub fn exposed(&self) -> Duration {
+        self.exposed
+    }
 }
 
 impl Stream {
@@ -130,16 +138,23 @@ impl Stream {
 
     /// The next frame that has been delivered by `now`. Frames never overtake each other.
     pub fn take(&mut self, now: Duration) -> Option<Frame> {
-        let Exposure { delivered, .. } = *self.waiting.front()?;
-        if delivered > now {
-            return None;
-        }
-        let exposure = self.waiting.pop_front()?;
+        let exposure = self.take_exposure(now)?;
+        Some(self.draw(exposure))
+    }
+
+    /// The same before it is drawn: whoever must not wait for that lets a copy of this [draw](Self::draw) it.
+    pub fn take_exposure(&mut self, now: Duration) -> Option<Exposure> {
+        self.waiting.front().filter(|exposure| exposure.delivered <= now)?;
+        self.waiting.pop_front()
+    }
+
+    /// Draws a frame.
+    pub fn draw(&mut self, exposure: Exposure) -> Frame {
         if !exposure.faults.frozen || self.last.is_empty() {
             self.last = self.camera.picture(&exposure.stage, &exposure.faults, exposure.number);
         }
         let [width, height] = self.camera.lens().image_size;
         let Exposure { exposed, delivered, stage, .. } = exposure;
-        Some(Frame { exposed, delivered, width, height, rgb: self.last.clone(), stage })
+        Frame { exposed, delivered, width, height, rgb: self.last.clone(), stage }
     }
 }

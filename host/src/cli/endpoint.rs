@@ -3,14 +3,15 @@
 use super::error::CliError;
 use super::stop_desk::StopDesk;
 use hil_sim::base::{self, BaseParameters, TruePose, WheeledBase};
-use hil_sim::camera::{Frame, Stream};
+use hil_sim::camera::{CameraFaults, Exposure, Frame, Stream};
 use hil_sim::emulator::EmulatedPico;
 use hil_sim::in_process::InProcess;
+use hil_sim::motion::Motion;
 use hil_sim::presets::paper_robot;
 use hil_sim::script::Script;
 use hil_sim::simulation::{Firmware, Simulation, Truth};
 use hil_sim::wire;
-use hil_sim::world::World;
+use hil_sim::world::{Shape, World};
 use protocol::motion::Timing;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -32,8 +33,10 @@ pub(crate) trait Endpoint: TimedPort {
         None
     }
 
-    /// Lets these things go wrong from now on, if the robot is simulated.
-    fn inject(&mut self, _base: base::Faults, _wires: (wire::Faults, wire::Pace)) {}
+    /// The world that a simulated robot stands in, if it is one.
+    fn stage(&mut self) -> Option<&mut dyn Stage> {
+        None
+    }
 
     /// When its time 0 was, if it is the clock on the wall that goes on.
     fn epoch(&self) -> Option<Instant> {
@@ -56,14 +59,55 @@ pub(crate) trait Endpoint: TimedPort {
     }
 }
 
+/// What can be done to the world of a simulated robot while it runs.
+pub(crate) trait Stage {
+    /// Lets these things go wrong from now on.
+    fn inject(
+        &mut self,
+        base: base::Faults,
+        wires: (wire::Faults, wire::Pace),
+        camera: CameraFaults,
+    );
+    /// Puts the robot down at `pose`, in another world if one is given, with this camera over it.
+    fn arrange(&mut self, world: Option<World>, pose: TruePose, camera: Stream);
+    /// A shape that comes into the world, and moves or stays.
+    fn set_down(&mut self, shape: Shape, motion: Motion);
+    /// The next frame of the camera, to be drawn elsewhere.
+    fn take_exposure(&mut self) -> Option<Exposure>;
+}
+
+impl<B: Firmware> Stage for Simulation<B> {
+    fn inject(
+        &mut self,
+        base: base::Faults,
+        (faults, pace): (wire::Faults, wire::Pace),
+        camera: CameraFaults,
+    ) {
+        self.base_mut().set_faults(base);
+        self.wires().into_iter().for_each(|wire| wire.change(faults, pace));
+        self.camera_mut().into_iter().for_each(|stream| stream.set_faults(camera));
+    }
+
+    fn arrange(&mut self, world: Option<World>, pose: TruePose, camera: Stream) {
+        Self::arrange(self, world, pose, camera);
+    }
+
+    fn set_down(&mut self, shape: Shape, motion: Motion) {
+        Self::set_down(self, shape, motion);
+    }
+
+    fn take_exposure(&mut self) -> Option<Exposure> {
+        Self::take_exposure(self)
+    }
+}
+
 impl<B: Firmware> Endpoint for Simulation<B> {
     fn truth(&self) -> Option<Truth> {
         Some(self.truth())
     }
 
-    fn inject(&mut self, base: base::Faults, (faults, pace): (wire::Faults, wire::Pace)) {
-        self.base_mut().set_faults(base);
-        self.wires().into_iter().for_each(|wire| wire.change(faults, pace));
+    fn stage(&mut self) -> Option<&mut dyn Stage> {
+        Some(self)
     }
 
     fn take_frame(&mut self) -> Option<Frame> {

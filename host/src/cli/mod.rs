@@ -41,7 +41,7 @@ mod sim;
 mod sim_camera;
 pub(crate) mod stop_desk;
 mod tags;
-mod watch;
+pub(crate) mod watch;
 pub(crate) mod way;
 mod welcome;
 

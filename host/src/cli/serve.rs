@@ -5,6 +5,7 @@ use super::error::CliError;
 use super::output::Output;
 use crate::dashboard::{self, Settings};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// `wmr serve`.
 pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
@@ -13,6 +14,8 @@ pub(crate) fn run(args: &ServeArgs, output: Output) -> Result<(), CliError> {
         port: args.port.clone(),
         speed: args.sim_speed,
         seed: args.sim_seed,
+        watch: args.watch.clone(),
+        watch_delay: Duration::from_secs_f64(args.watch_delay),
         log: args.log.clone(),
         open: !args.no_open,
         demo: false,
@@ -33,6 +36,8 @@ pub(crate) fn demo(args: &DemoArgs, output: Output) -> Result<(), CliError> {
         port: args.port.clone(),
         speed: 1.0,
         seed: 1,
+        watch: None,
+        watch_delay: Duration::ZERO,
         log: PathBuf::from("wmr-runs"),
         open: true,
         demo: true,

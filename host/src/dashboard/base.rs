@@ -8,7 +8,7 @@ use super::live::Hold;
 use super::requests::{ConnectRequest, ParametersRequest};
 use super::robot::{Order, Task};
 use super::service::ParameterTask;
-use super::{Dashboard, archive, lock};
+use super::{Dashboard, archive, live, lock};
 use crate::cli::error::CliError;
 use crate::cli::params;
 use axum::Json;
@@ -54,7 +54,11 @@ pub(super) async fn connect(State(dashboard): State<Dashboard>, body: Bytes) -> 
             "{port:?} is not one of the ports here; sim, auto, tcp://HOST:PORT or one of /api/ports"
         )));
     }
+    let stays_simulated = live::is_simulated(&port);
     queue(&dashboard, Task::Connect(port))?;
+    if dashboard.camera.is_simulated() && !stays_simulated {
+        dashboard.camera.switch_off();
+    }
     Ok(Json(json!({"connecting": true})))
 }
 

@@ -8,6 +8,7 @@ use super::error::Failure;
 use super::planned::plan_document;
 use super::reading::Reading;
 use super::requests::{DetectRequest, PlanRequest};
+use crate::cli::args::WayArgs;
 use crate::cli::demo;
 use crate::cli::detect::detection_document;
 use crate::cli::error::CliError;
@@ -17,7 +18,7 @@ use crate::cli::way::PlannedWay;
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use wmr::geometry::Arena;
+use wmr::geometry::{Arena, Pose};
 use wmr::picture::vision::NamedPicture;
 use wmr::scene::{DEFAULT_ROBOT_RADIUS, Obstacle, Scene};
 use wmr::vision;
@@ -78,6 +79,8 @@ pub(super) struct DeskScene {
 /// What came of planning.
 #[derive(Debug)]
 pub(super) struct DeskPlan {
+    /// What was asked for.
+    args: WayArgs,
     pub(super) result: Result<Box<PlannedWay>, CliError>,
 }
 
@@ -237,7 +240,7 @@ impl Desk {
     pub(super) fn take_plan(
         &mut self,
         scene: Scene,
-        result: Result<Box<PlannedWay>, CliError>,
+        (args, result): (WayArgs, Result<Box<PlannedWay>, CliError>),
     ) -> Revisions {
         let last = self.scene.take();
         let (detection, recognised) =
@@ -247,12 +250,35 @@ impl Desk {
         self.revisions.scene += 1;
         self.scene = Some(DeskScene { scene, detection, recognised });
         self.revisions.plan += 1;
-        self.plan = Some(DeskPlan { result });
+        self.plan = Some(DeskPlan { args, result });
         self.revisions
     }
 
+    /// The scene that was planned in, with what was asked for, if there is a way.
+    pub(super) fn planned(&self) -> Option<(&Scene, WayArgs)> {
+        let plan = self.plan.as_ref().filter(|plan| plan.result.is_ok())?;
+        Some((&self.scene.as_ref()?.scene, plan.args.clone()))
+    }
+
+    /// The scene, and where the robot stands in it.
+    pub(super) fn start(&self) -> Option<(&Scene, Pose)> {
+        let scene = &self.scene.as_ref()?.scene;
+        Some((scene, scene.start?))
+    }
+
+    /// How the photo is read.
+    pub(super) fn reading(&self) -> Reading {
+        self.reading.clone()
+    }
+
+    /// Corners that were put by hand in a photo of that size, pixels.
+    pub(super) fn corners_in(&self, size: [usize; 2]) -> Option<[[f64; 2]; 4]> {
+        let is_same = self.photo.as_ref().is_some_and(|photo| photo.size == size);
+        self.corners.filter(|_| is_same)
+    }
+
     /// What a person has corrected of what was recognised.
-    fn corrections(&self) -> Corrections {
+    pub(super) fn corrections(&self) -> Corrections {
         match &self.scene {
             Some(DeskScene { scene, detection: Some(_), recognised }) => {
                 Corrections::between(recognised, &scene.obstacles, &self.corrections)

@@ -1,6 +1,5 @@
 //! What moves the robot: a planned way driven and written down, and short moves from where it stands.
 
-use super::desk::DeskPhoto;
 use super::lock;
 use super::reference::{Reference, Word};
 use super::robot::{RobotThread, stopped};
@@ -10,7 +9,6 @@ use crate::cli::run::{Run, RunClock};
 use crate::cli::way::{self, PlannedWay};
 use protocol::message::State;
 use protocol::motion::{Leg, Timing};
-use std::sync::Arc;
 use wmr::geometry::{Point, Pose};
 use wmr::legs::{LegOptions, from_wire, to_legs, to_wire};
 use wmr::link::drive::{DriveError, DriveEvent, Wish, drive_as_wished};
@@ -18,19 +16,18 @@ use wmr::link::mission::{Mission, MissionError, MissionEvent};
 use wmr::link::parameters::Request;
 
 impl RobotThread {
-    /// Drives a way and writes down how.
+    /// Drives a way by `drive`, and writes down how, with the photo that it began with.
     pub(super) fn drive_and_keep(
         &mut self,
         way: &PlannedWay,
-        photo: Option<Arc<DeskPhoto>>,
-        stops: u64,
+        photo: Option<&[u8]>,
+        drive: impl FnOnce(&mut Self) -> Result<(Run, Option<CliError>), CliError>,
     ) -> Result<(), CliError> {
-        let (run, error) = self.drive(way, stops)?;
+        let (run, error) = drive(self)?;
         let mut report = serde_json::json!(run.document());
         if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
             fields.insert("problem".into(), serde_json::json!(error.failure()));
         }
-        let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
         let kept = self.settings.archive.keep(photo, way, &run, &report);
         let is_lost = error.as_ref().is_some_and(|error| error.exit == Exit::Link);
         self.end_run(Some(&run), error.as_ref());
@@ -42,14 +39,18 @@ impl RobotThread {
     }
 
     /// Drives a way to its end, or to where it is cut short.
-    fn drive(&mut self, way: &PlannedWay, stops: u64) -> Result<(Run, Option<CliError>), CliError> {
+    pub(super) fn drive(
+        &mut self,
+        way: &PlannedWay,
+        stops: u64,
+    ) -> Result<(Run, Option<CliError>), CliError> {
         let file = &way.file;
         let first = file.waypoints.first().copied().unwrap_or(Point::new(0.0, 0.0));
         let start = Pose { position: first, heading: file.start_heading() };
         if self.is_simulated() || self.client.is_none() {
             // A simulated robot stands where the plan begins, as if somebody had put it there.
             let world = SimulatedWorld::new(&file.scene, start, self.settings.seed);
-            self.client = Some(self.open(world, SimulatedRobot::for_timing(way.legs.timing))?);
+            self.use_robot(world, SimulatedRobot::for_timing(way.legs.timing))?;
         }
         self.greet(stops)?;
         if let Some(parameters) = self.own_parameters.filter(|_| self.is_simulated()) {
@@ -97,10 +98,9 @@ impl RobotThread {
             run.record(event, &mut clock);
             if let MissionEvent::Telemetry(telemetry) = event {
                 let mut live = lock(live);
-                live.hear(telemetry);
+                live.hear_on_way(telemetry, run.samples.last().map(|sample| sample.time));
                 if let Some(sample) = run.samples.last() {
                     let (pose, leg) = (from_wire(telemetry.pose), usize::from(telemetry.leg));
-                    live.run.follow(sample.time, pose.position);
                     live.run.leg = leg;
                     let is_paused = matches!(telemetry.state, State::Paused(_));
                     let word = Word { time: sample.time, leg, pose, is_paused };
@@ -108,16 +108,7 @@ impl RobotThread {
                 }
             }
         });
-        driven.map(|_| ()).map_err(|error| match error {
-            DriveError::Stopped | DriveError::StopUnconfirmed => CliError::new(
-                Exit::Robot,
-                "robot.stopped",
-                error,
-                "plan again from where it stands",
-            ),
-            DriveError::Mission(MissionError::Stopped) => stopped(),
-            error => error.into(),
-        })
+        driven.map(|_| ()).map_err(in_words)
     }
 
     /// Moves a little, from where the robot stands.
@@ -140,6 +131,18 @@ impl RobotThread {
     }
 }
 
-fn ends(leg: &Leg) -> [Point; 2] {
+/// What a page is told of a drive that ended on the way.
+pub(super) fn in_words(error: DriveError) -> CliError {
+    match error {
+        DriveError::Stopped | DriveError::StopUnconfirmed => {
+            CliError::new(Exit::Robot, "robot.stopped", error, "plan again from where it stands")
+        }
+        DriveError::Mission(MissionError::Stopped) => stopped(),
+        error => error.into(),
+    }
+}
+
+/// Where a leg begins and ends.
+pub(super) fn ends(leg: &Leg) -> [Point; 2] {
     [from_wire(leg.start).position, Point::new(leg.goal.x.0.into(), leg.goal.y.0.into())]
 }

@@ -2,15 +2,16 @@
 
 use super::error::Failure;
 use super::lock;
-use crate::cli::endpoint::Endpoint;
+use crate::cli::endpoint::Stage;
 use hil_sim::base::{self, EncoderFault};
+use hil_sim::camera::CameraFaults;
 use hil_sim::wire;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Faults of the base and of both wires; nothing by default. Left and right.
+/// Faults of the base, of both wires and of the camera; nothing by default. Left and right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct SimulatedFaults {
@@ -24,7 +25,23 @@ pub(super) struct SimulatedFaults {
     corruption: f64,
     /// How long a frame takes, seconds, 0..=1.
     latency: f64,
+    camera: CameraName,
 }
+
+/// What is wrong with the simulated camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum CameraName {
+    #[default]
+    Sees,
+    Dark,
+    Frozen,
+    Moved,
+    Silent,
+}
+
+/// Somebody has bumped against the camera: metres in the arena, radians about its axes.
+const BUMPED: [[f64; 3]; 2] = [[0.04, 0.02, 0.0], [0.0, 0.03, 0.02]];
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -63,6 +80,17 @@ impl SimulatedFaults {
         base::Faults { slip: self.slip, blocked: self.blocked, encoders, ..base::Faults::default() }
     }
 
+    fn camera(&self) -> CameraFaults {
+        let none = CameraFaults::default();
+        match self.camera {
+            CameraName::Sees => none,
+            CameraName::Dark => CameraFaults { dark: true, ..none },
+            CameraName::Frozen => CameraFaults { frozen: true, ..none },
+            CameraName::Moved => CameraFaults { moved: Some(BUMPED), ..none },
+            CameraName::Silent => CameraFaults { lost: 1.0, ..none },
+        }
+    }
+
     fn wire(&self) -> (wire::Faults, wire::Pace) {
         let latency = Duration::from_secs_f64(self.latency);
         let faults =
@@ -85,14 +113,19 @@ impl FaultWish {
         *lock(&self.0.0)
     }
 
-    /// Lets the robot behind `endpoint` have them, unless it has them since `known`.
-    pub(super) fn bring(&self, endpoint: &mut dyn Endpoint, known: &mut u64) {
+    /// Lets the robot on `stage` have them, unless it has them since `known`.
+    pub(super) fn bring(&self, stage: &mut dyn Stage, known: &mut u64) {
         let revision = self.0.1.load(Ordering::SeqCst);
         if *known != revision {
             *known = revision;
-            let faults = self.get();
-            endpoint.inject(faults.base(), faults.wire());
+            self.bring_again(stage);
         }
+    }
+
+    /// The same, whatever it has.
+    pub(super) fn bring_again(&self, stage: &mut dyn Stage) {
+        let faults = self.get();
+        stage.inject(faults.base(), faults.wire(), faults.camera());
     }
 }
 

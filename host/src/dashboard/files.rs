@@ -25,7 +25,7 @@ macro_rules! files {
 }
 
 /// Name, kind and text of each file that the page asks for.
-pub(super) const FILES: [(&str, &str, &str); 21] = files! {
+pub(super) const FILES: [(&str, &str, &str); 24] = files! {
     "style.css": CSS,
     "app.js": JAVASCRIPT,
     "api.js": JAVASCRIPT,
@@ -41,6 +41,9 @@ pub(super) const FILES: [(&str, &str, &str); 21] = files! {
     "drive.js": JAVASCRIPT,
     "bar.js": JAVASCRIPT,
     "camera.js": JAVASCRIPT,
+    "live.js": JAVASCRIPT,
+    "seen.js": JAVASCRIPT,
+    "watch.js": JAVASCRIPT,
     "reading.js": JAVASCRIPT,
     "steps.js": JAVASCRIPT,
     "plots.js": JAVASCRIPT,

@@ -6,7 +6,8 @@ use super::requests::{
     CornersRequest, DetectRequest, DriveRequest, HoldName, JogRequest, PlanRequest, SampleRequest,
 };
 use super::robot::{Order, Task};
-use super::{Dashboard, base, lock, planned, steps};
+use super::watched::newest_frame;
+use super::{Dashboard, base, lock, lookout, planned, steps};
 use crate::cli::way;
 use axum::Json;
 use axum::body::Bytes;
@@ -31,10 +32,12 @@ pub(super) async fn state(State(dashboard): State<Dashboard>) -> Json<Value> {
 }
 
 fn state_document(dashboard: &Dashboard) -> Value {
+    let camera = dashboard.camera.document(&dashboard.camera_sources());
     let mut document = lock(&dashboard.desk).document();
     let live = lock(&dashboard.live);
     if let Some(fields) = document.as_object_mut() {
         fields.insert("faults".into(), json!(dashboard.faults.get()));
+        fields.insert("camera".into(), camera);
         fields.insert("run".into(), live.run_document());
         fields.insert("base".into(), live.base_document());
         fields.insert("drive".into(), live.drive_document(dashboard.controls.is_paused()));
@@ -66,18 +69,33 @@ pub(super) async fn photo(
     let kind = headers.get(CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     if kind.starts_with("application/json") {
         let SampleRequest { sample } = parse(&body)?;
-        if sample != "demo" {
-            return Err(Failure::bad_request(format!(
-                "there is no sample {sample:?}; there is demo"
-            )));
-        }
-        let desk = dashboard.desk.clone();
-        dashboard.jobs.run(move |_| Ok(lock(&desk).take_sample()?)).await?;
+        take_sample(&dashboard, &sample).await?;
     } else {
         let photo = dashboard.jobs.run(move |_| DeskPhoto::new(body.to_vec())).await?;
         lock(&dashboard.desk).take_photo(photo);
     }
     Ok(Json(state_document(&dashboard)))
+}
+
+/// The bundled photo, or the newest frame of the camera.
+async fn take_sample(dashboard: &Dashboard, name: &str) -> Result<(), Failure> {
+    match name {
+        "demo" => {
+            let desk = dashboard.desk.clone();
+            dashboard.jobs.run(move |_| Ok(lock(&desk).take_sample()?)).await
+        }
+        "camera" => {
+            let shot = newest_frame(dashboard).await?;
+            let bytes = shot.bytes.to_vec();
+            let photo = dashboard.jobs.run(move |_| DeskPhoto::new(bytes)).await?;
+            lock(&dashboard.desk).take_photo(photo);
+            Ok(())
+        }
+        name => {
+            let message = format!("there is no sample {name:?}; there are demo and camera");
+            Err(Failure::bad_request(message))
+        }
+    }
 }
 
 /// Where the person sees the arena's corners.
@@ -152,7 +170,7 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
     let args = request.way_args()?;
     let mut scene = lock(&dashboard.desk).scene_for(&request)?;
     way::take_ends(&mut scene, &args);
-    let (scene, result, answer) = dashboard
+    let (scene, planned, answer) = dashboard
         .jobs
         .run(move |_| {
             let result = planned::plan(&scene, &args);
@@ -160,10 +178,10 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
                 Ok(way) => Ok(planned::plan_document(way)),
                 Err(error) => Err(error.clone()),
             };
-            Ok((scene, result, answer))
+            Ok((scene, (args, result), answer))
         })
         .await?;
-    let revisions = lock(&dashboard.desk).take_plan(scene, result);
+    let revisions = lock(&dashboard.desk).take_plan(scene, planned);
     // The page that asked knows what it shows; others fetch it.
     let revision = json!(revisions);
     match answer {
@@ -184,6 +202,7 @@ pub(super) async fn plan(State(dashboard): State<Dashboard>, body: Bytes) -> Ans
 /// Drives the plan on the desk.
 pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> Answer {
     let request: DriveRequest = parse_or_default(&body)?;
+    let stops = dashboard.controls.stops();
     let (way, photo) = {
         let desk = lock(&dashboard.desk);
         if request.plan.is_some_and(|seen| seen != desk.revisions.plan) {
@@ -205,6 +224,9 @@ pub(super) async fn drive(State(dashboard): State<Dashboard>, body: Bytes) -> An
         }
     };
     dashboard.controls.set_unattended(request.unattended);
+    if dashboard.camera.source().is_some() {
+        return lookout::begin(&dashboard, stops).await;
+    }
     order(&dashboard, Task::Drive(way, photo))
 }
 
@@ -238,13 +260,17 @@ pub(super) async fn jog(State(dashboard): State<Dashboard>, body: Bytes) -> Answ
 }
 
 pub(super) fn order(dashboard: &Dashboard, task: Task) -> Answer {
+    order_since(dashboard, task, dashboard.controls.stops())
+}
+
+/// Orders something that was asked for when there had been so many stops.
+pub(super) fn order_since(dashboard: &Dashboard, task: Task, stops: u64) -> Answer {
     let busy = || Failure::missing("robot.busy", "the robot is under way", "wait, or stop it");
     let mut live = lock(&dashboard.live);
     if live.run.active {
         return Err(busy());
     }
     dashboard.controls.set_paused(false);
-    let stops = dashboard.controls.stops();
     if let Task::Held(hold) = task {
         dashboard.controls.begin_holding(hold);
     }

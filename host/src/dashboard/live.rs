@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+use wmr::document::EventDocument;
 use wmr::geometry::{Point, Pose};
 use wmr::legs::from_wire;
 
@@ -33,6 +34,9 @@ pub(super) enum Hold {
     Left,
     Right,
 }
+
+/// So many of the last events go to the pages again and again.
+const SHOWN_EVENTS: usize = 6;
 
 /// A button that nobody says is held for so long is let go: as patient as the robot is with its host.
 const HOLD_PATIENCE: Duration = Duration::from_millis(300);
@@ -126,6 +130,10 @@ pub(super) struct RunStatus {
     pub(super) trail: Vec<Point>,
     /// When its last point was, seconds.
     pub(super) time_of_trail: f64,
+    /// The document `watch-view`, if a camera watches.
+    pub(super) view: Option<Value>,
+    /// What has happened under the camera.
+    pub(super) told: Vec<EventDocument>,
     /// The document of `wmr drive --json`, once it has ended.
     pub(super) report: Option<Value>,
     /// Why it ended before the goal.
@@ -159,6 +167,11 @@ impl Live {
         })
     }
 
+    /// Whether the robot is simulated by this program.
+    pub(super) fn is_simulated(&self) -> bool {
+        is_simulated(&self.port)
+    }
+
     /// Another robot from now on, of which nothing is known.
     pub(super) fn connect_to(&mut self, port: &str) {
         let run = std::mem::take(&mut self.run);
@@ -170,6 +183,19 @@ impl Live {
         self.telemetry = Some(telemetry);
         self.heard = Some(Instant::now());
         self.problem = None;
+    }
+
+    /// What the robot said last is as new as it was then.
+    pub(super) fn keep_word(&mut self) {
+        self.heard = self.heard.map(|_| Instant::now());
+    }
+
+    /// The same on a drive, whose last word was at that time, seconds.
+    pub(super) fn hear_on_way(&mut self, telemetry: Telemetry, time: Option<f64>) {
+        self.hear(telemetry);
+        if let Some(time) = time {
+            self.run.follow(time, from_wire(telemetry.pose).position);
+        }
     }
 
     /// The link is gone, and why.
@@ -216,6 +242,8 @@ impl Live {
             "time": run.time,
             "cross_track": beside.filter(|_| run.active),
             "reference": run.reference.filter(|_| run.active),
+            "view": run.view.as_ref().filter(|_| run.active),
+            "told": run.told.iter().rev().take(SHOWN_EVENTS).collect::<Vec<_>>(),
         })
     }
 
@@ -233,6 +261,11 @@ impl Live {
             "not_kept": run.kept.as_ref().and_then(|kept| kept.as_ref().err()),
         })
     }
+}
+
+/// Whether the port of that name is a simulated robot in this program.
+pub(super) fn is_simulated(port: &str) -> bool {
+    port == "sim" || port.starts_with("elf:")
 }
 
 fn detail(state: State) -> Option<&'static str> {

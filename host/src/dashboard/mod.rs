@@ -3,7 +3,8 @@
 //! ```text
 //! page ═HTTP, web socket═ router ─► desk (photo, scene, plan)
 //!                            │  └──► jobs (one heavy one at a time)
-//!                            └─ controls ─► robot thread ═link═ robot
+//!                            ├─ controls ─► robot thread ═link═ robot
+//!                            └─ camera ─► frames to pages, what is seen to the robot thread
 //! ```
 //! The documents are those of the command line with `--json`; the interface is described in
 //! `openapi.json`, which a test holds against the router. The robot has a thread of its own, which takes
@@ -13,6 +14,7 @@
 mod archive;
 mod base;
 mod calibrating;
+mod camera;
 mod corrections;
 mod desk;
 mod driving;
@@ -23,6 +25,7 @@ mod frames;
 mod handlers;
 mod jobs;
 mod live;
+mod lookout;
 mod paced;
 mod planned;
 mod reading;
@@ -35,17 +38,20 @@ mod service;
 mod socket;
 mod status;
 mod steps;
+mod watched;
 
 use crate::cli::error::{CliError, Exit};
 use crate::cli::mission::{catch_interrupts, interrupted};
 use crate::cli::output::Output;
 use crate::cli::stop_desk;
 use archive::Archive;
+use camera::Lookout;
 use desk::Desk;
 use faults::FaultWish;
 use frames::FrameLog;
 use jobs::Jobs;
 use live::{Controls, Live};
+use lookout::GivenCamera;
 use robot::{Order, RobotSettings};
 use security::{Guard, Token};
 use serde_json::json;
@@ -68,6 +74,9 @@ pub(crate) struct Settings {
     pub(crate) speed: f64,
     /// Which of many slightly different robots is simulated.
     pub(crate) seed: u64,
+    /// A camera that is on from the beginning, and how much older its pictures are than it says.
+    pub(crate) watch: Option<String>,
+    pub(crate) watch_delay: Duration,
     /// Where drives are kept.
     pub(crate) log: PathBuf,
     /// Whether to show the page in the browser.
@@ -87,6 +96,9 @@ struct Dashboard {
     /// The port that the program was started with.
     first_port: Arc<str>,
     faults: FaultWish,
+    camera: Lookout,
+    /// The camera that the program was started with.
+    given_camera: Arc<GivenCamera>,
     frames: FrameLog,
     archive: Archive,
     guard: Arc<Guard>,
@@ -114,6 +126,9 @@ pub(crate) fn serve(settings: &Settings, output: Output) -> Result<(), CliError>
         .map_err(|error| cannot_serve(&settings.address, &error))?;
     let address = listener.local_addr().map_err(|error| cannot_serve(&settings.address, &error))?;
     let (dashboard, robot) = start(settings, address);
+    if let Some(source) = &settings.watch {
+        begin_watching(&dashboard, source)?;
+    }
     if settings.demo {
         planned::lay_demo(&mut lock(&dashboard.desk)).map_err(|failure| failure.error)?;
     }
@@ -140,12 +155,15 @@ fn start(settings: &Settings, address: SocketAddr) -> (Dashboard, std::thread::J
     let live = Arc::new(Mutex::new(Live::new(&settings.port)));
     let controls = Arc::new(Controls::default());
     let (faults, frames) = (FaultWish::default(), FrameLog::default());
+    let camera = Lookout::default();
+    let given = GivenCamera { source: settings.watch.clone(), delay: settings.watch_delay };
     let archive = Archive::new(&settings.log);
     let robot_settings = RobotSettings {
         port: settings.port.clone(),
         speed: settings.speed,
         seed: settings.seed,
         faults: faults.clone(),
+        camera: camera.clone(),
         frames: frames.clone(),
         archive: archive.clone(),
     };
@@ -158,12 +176,25 @@ fn start(settings: &Settings, address: SocketAddr) -> (Dashboard, std::thread::J
         orders,
         first_port: settings.port.as_str().into(),
         faults,
+        camera,
+        given_camera: Arc::new(given),
         frames,
         archive,
         guard: Arc::new(Guard { address, token: Token::random() }),
         status: watch::Sender::default(),
     };
     (dashboard, thread)
+}
+
+/// Switches on the camera that the program was started with.
+fn begin_watching(dashboard: &Dashboard, source: &str) -> Result<(), CliError> {
+    if source == camera::SIMULATED && !lock(&dashboard.live).is_simulated() {
+        return Err(CliError::usage(
+            "a simulated camera sees a simulated robot alone",
+            "say --port sim, or give the --watch of your camera",
+        ));
+    }
+    dashboard.switch_on(source)
 }
 
 fn cannot_serve(address: &str, error: &std::io::Error) -> CliError {

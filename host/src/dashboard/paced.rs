@@ -1,5 +1,6 @@
 //! A simulated robot in step with the clock on the wall, for people who watch it; a real one as it is.
 
+use super::camera::{Arranged, Lookout};
 use super::faults::FaultWish;
 use super::frames::{FrameLog, FrameTap};
 use crate::cli::endpoint::Endpoint;
@@ -19,6 +20,9 @@ pub(super) struct Paced {
     tap: FrameTap,
     faults: FaultWish,
     faults_known: u64,
+    camera: Lookout,
+    /// The floor as it is arranged for the camera.
+    arranged: Arranged,
 }
 
 impl Paced {
@@ -27,10 +31,20 @@ impl Paced {
         endpoint: Box<dyn Endpoint>,
         speed: f64,
         frames: FrameLog,
-        faults: FaultWish,
+        (faults, camera): (FaultWish, Lookout),
     ) -> Self {
         let (last, tap) = (Instant::now(), FrameTap::new(frames));
-        Self { endpoint, speed, last, tap, faults, faults_known: 0 }
+        let arranged = Arranged::default();
+        Self { endpoint, speed, last, tap, faults, faults_known: 0, camera, arranged }
+    }
+
+    /// Makes the floor of a simulated robot as it is wanted under the camera.
+    pub(super) fn arrange(&mut self) {
+        let Some(stage) = self.endpoint.stage() else { return };
+        if self.camera.bring_floor(stage, &mut self.arranged) {
+            // The new camera has no faults yet.
+            self.faults.bring_again(stage);
+        }
     }
 
     pub(super) fn nonce(&self) -> u32 {
@@ -73,11 +87,22 @@ impl TimedPort for Paced {
         if self.endpoint.truth().is_none() {
             return self.endpoint.wait(duration);
         }
-        self.faults.bring(&mut *self.endpoint, &mut self.faults_known);
+        if let Some(stage) = self.endpoint.stage() {
+            self.faults.bring(stage, &mut self.faults_known);
+            self.camera.bring_things(stage, &mut self.arranged);
+        }
         std::thread::sleep(duration.div_f64(self.speed));
         let gap = self.last.elapsed();
         self.last += gap;
-        self.endpoint.wait(gap.mul_f64(self.speed).min(LONGEST_GAP))
+        if self.camera.is_behind() {
+            return Ok(());
+        }
+        self.endpoint.wait(gap.mul_f64(self.speed).min(LONGEST_GAP))?;
+        let exposure = self.endpoint.stage().and_then(|stage| stage.take_exposure());
+        if let Some(exposure) = exposure {
+            self.camera.offer(exposure, self.arranged);
+        }
+        Ok(())
     }
 
     fn is_open(&self) -> bool {

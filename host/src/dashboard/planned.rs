@@ -37,7 +37,7 @@ pub(super) fn lay_demo(desk: &mut Desk) -> Result<(), Failure> {
     let mut scene = desk.scene_for(&PlanRequest::default())?;
     way::take_ends(&mut scene, &args);
     let way = plan(&scene, &args)?;
-    desk.take_plan(scene, Ok(way));
+    desk.take_plan(scene, (args, Ok(way)));
     Ok(())
 }
 

@@ -15,6 +15,7 @@ use wmr::scene::Goal;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SampleRequest {
+    /// `demo`, the bundled one, or `camera`, the newest frame of the camera over the arena.
     pub(super) sample: String,
 }
 

@@ -5,13 +5,15 @@
 
 use super::archive::Archive;
 use super::calibrating::CalibrateTask;
+use super::camera::Lookout;
 use super::desk::DeskPhoto;
 use super::faults::FaultWish;
 use super::frames::FrameLog;
 use super::live::{Controls, Hold, Live, RunStatus};
-use super::lock;
 use super::paced::Paced;
 use super::service::ParameterTask;
+use super::watched::WatchedTask;
+use super::{live, lock};
 use crate::cli::endpoint::{self, SimulatedRobot, SimulatedWorld};
 use crate::cli::error::{CliError, Exit};
 use crate::cli::run::Run;
@@ -37,6 +39,7 @@ pub(super) struct RobotSettings {
     pub(super) speed: f64,
     pub(super) seed: u64,
     pub(super) faults: FaultWish,
+    pub(super) camera: Lookout,
     pub(super) frames: FrameLog,
     pub(super) archive: Archive,
 }
@@ -53,6 +56,8 @@ pub(super) struct Order {
 pub(super) enum Task {
     /// The way, and the photo in which it was planned.
     Drive(Box<PlannedWay>, Option<Arc<DeskPhoto>>),
+    /// The same while the camera watches.
+    Watched(Box<WatchedTask>),
     /// So far ahead of where it stands, or behind; metres.
     Ahead(f64),
     /// So far to the left, radians.
@@ -95,6 +100,7 @@ pub(super) fn spawn(
             stops: 0,
             deadman: None,
             own_parameters: None,
+            robot: SimulatedRobot::Default,
         };
         // A panic ends the link, so the robot stops by itself within 0.3 s; the next one can start again.
         while catch_unwind(AssertUnwindSafe(|| robot.run(&orders))).is_err() {
@@ -120,6 +126,8 @@ pub(super) struct RobotThread {
     pub(super) deadman: Option<Hold>,
     /// The numbers that a person has given the simulated robot.
     pub(super) own_parameters: Option<Parameters>,
+    /// Which robot is simulated.
+    robot: SimulatedRobot,
 }
 
 impl RobotThread {
@@ -135,7 +143,7 @@ impl RobotThread {
     }
 
     pub(super) fn is_simulated(&self) -> bool {
-        self.settings.port == "sim" || self.settings.port.starts_with("elf:")
+        live::is_simulated(&self.settings.port)
     }
 
     /// Opens the port, with `world` around a simulated robot.
@@ -145,10 +153,32 @@ impl RobotThread {
         robot: SimulatedRobot,
     ) -> Result<LinkClient<Paced>, CliError> {
         let endpoint = endpoint::open(&self.settings.port, world, robot)?;
-        let RobotSettings { speed, frames, faults, .. } = &self.settings;
-        let port = Paced::new(endpoint, *speed, frames.clone(), faults.clone());
+        let RobotSettings { speed, frames, faults, camera, .. } = &self.settings;
+        let wishes = (faults.clone(), camera.clone());
+        let port = Paced::new(endpoint, *speed, frames.clone(), wishes);
         let nonce = port.nonce();
         Ok(LinkClient::new(port, nonce))
+    }
+
+    /// Opens the port in place of what is open.
+    pub(super) fn use_robot(
+        &mut self,
+        world: SimulatedWorld,
+        robot: SimulatedRobot,
+    ) -> Result<(), CliError> {
+        self.client = Some(self.open(world, robot)?);
+        self.robot = robot;
+        Ok(())
+    }
+
+    /// Sees to it that there is a robot, and where it is simulated that it is this one; it stays where it is.
+    pub(super) fn suit(&mut self, robot: SimulatedRobot) -> Result<(), CliError> {
+        let is_other = self.is_simulated() && self.robot != robot;
+        if self.client.is_none() || is_other {
+            self.use_robot(SimulatedWorld::nowhere(self.settings.seed), robot)?;
+            self.client.iter_mut().for_each(|client| client.port_mut().arrange());
+        }
+        Ok(())
     }
 
     /// Keeps the link alive while there is nothing to do.
@@ -158,11 +188,11 @@ impl RobotThread {
                 return std::thread::sleep(IDLE_STEP);
             }
             let nowhere = SimulatedWorld::nowhere(self.settings.seed);
-            match self.open(nowhere, SimulatedRobot::Default) {
-                Ok(client) => self.client = Some(client),
-                Err(error) => return self.lose(&error),
+            if let Err(error) = self.use_robot(nowhere, SimulatedRobot::Default) {
+                return self.lose(&error);
             }
         }
+        self.client.iter_mut().for_each(|client| client.port_mut().arrange());
         if let Err(error) = self.listen() {
             self.lose(&error);
         }
@@ -213,7 +243,14 @@ impl RobotThread {
             return self.end_run(None, Some(&stopped()));
         }
         let result = match task {
-            Task::Drive(way, photo) => self.drive_and_keep(&way, photo, order.stops),
+            Task::Drive(way, photo) => {
+                let photo = photo.as_ref().map(|photo| photo.bytes.as_slice());
+                self.drive_and_keep(&way, photo, |robot| robot.drive(&way, order.stops))
+            }
+            Task::Watched(task) => {
+                let drive = |robot: &mut Self| robot.drive_watched(&task, order.stops);
+                self.drive_and_keep(&task.way, Some(&task.photo), drive)
+            }
             Task::Held(hold) => self.move_held(hold, order.stops),
             Task::Ahead(distance) => self.move_by(distance, 0.0, order.stops),
             Task::Turn(angle) => self.move_by(0.0, angle, order.stops),

@@ -1,7 +1,7 @@
 //! Which request goes where, and how large and long it may be.
 
 use super::error::Failure;
-use super::{Dashboard, base, files, handlers, security, socket};
+use super::{Dashboard, base, files, handlers, lookout, security, socket};
 use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
@@ -41,6 +41,9 @@ pub(super) fn routes() -> Vec<(&'static str, &'static str, MethodRouter<Dashboar
         ("post", "/api/resume", post(handlers::resume)),
         ("post", "/api/stop", post(handlers::stop)),
         ("post", "/api/jog", post(handlers::jog)),
+        ("post", "/api/camera", post(lookout::switch)),
+        ("get", "/api/camera/frame", get(lookout::frame)),
+        ("post", "/api/things", post(lookout::things)),
         ("get", "/api/ports", get(base::ports)),
         ("post", "/api/connect", post(base::connect)),
         ("post", "/api/parameters", post(base::parameters)),
@@ -140,6 +143,20 @@ mod tests {
             .collect();
         assert!(named.iter().all(|name| schemas.contains_key(*name)), "{named:?}");
         assert!(schemas.keys().all(|name| named.contains(name.as_str())), "{named:?}");
+    }
+
+    /// The view is the document of the library, whose schema is held against its type.
+    #[test]
+    fn openapi_s_view_has_the_fields_of_the_document() {
+        let text = include_str!("../../schemas/watch-view.schema.json");
+        let schema: Value = serde_json::from_str(text).unwrap();
+        let view = &document()["components"]["schemas"]["WatchView"];
+        let names = |of: &Value| -> BTreeSet<String> {
+            of["properties"].as_object().unwrap().keys().cloned().collect()
+        };
+        assert_eq!(names(view), names(&schema));
+        let thing = &view["properties"]["things"]["items"];
+        assert_eq!(names(thing), names(&schema["$defs"]["ThingDocument"]));
     }
 
     #[test]

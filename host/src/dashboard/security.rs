@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | `Host` names this server by address or as localhost | all requests | 403 |
 //! | `Origin`, where there is one, is this server | all requests | 403 |
-//! | token, in `Authorization: Bearer` or in the query `t` | changes, the socket, all beyond loopback | 401 |
+//! | token, in `Authorization: Bearer` or in the query `t` | changes, the socket, live frames, all beyond loopback | 401 |
 //! | `Content-Type` is JSON, or of a photo | changes with a body | 415 |
 //!
 //! The page itself carries the token on loopback, where the browser keeps other origins from reading it;
@@ -20,6 +20,9 @@ use axum::middleware::Next;
 use axum::response::Response;
 use std::hash::{BuildHasher, RandomState};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
+
+/// What a camera shows now is for who may drive.
+const FRAME: &str = "/api/camera/frame";
 
 /// Where this server is and who may change something.
 #[derive(Clone, Debug)]
@@ -128,7 +131,7 @@ impl Guard {
             ));
         }
         let changes = method == Method::POST;
-        let guarded = changes || path == "/ws" || !self.address.ip().is_loopback();
+        let guarded = changes || matches!(path, "/ws" | FRAME) || !self.address.ip().is_loopback();
         // Styles and modules are no secret, and a page cannot give its token along with them.
         let guarded = guarded && !path.starts_with("/page/");
         if guarded && !self.is_known(query, headers) {

@@ -13,6 +13,7 @@ pub(super) async fn keep(dashboard: Dashboard) {
     clock.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         clock.tick().await;
+        dashboard.arrange(false);
         if dashboard.status.receiver_count() > 0 {
             dashboard.status.send_replace(document(&dashboard).to_string().into());
         }
@@ -21,6 +22,7 @@ pub(super) async fn keep(dashboard: Dashboard) {
 
 /// What changes all the time, and the revisions of what does not.
 pub(super) fn document(dashboard: &Dashboard) -> Value {
+    let camera = dashboard.camera.document(&dashboard.camera_sources());
     let revisions = lock(&dashboard.desk).revisions;
     let live = lock(&dashboard.live);
     json!({
@@ -31,6 +33,7 @@ pub(super) fn document(dashboard: &Dashboard) -> Value {
             "run": live.run.revision,
         },
         "busy": dashboard.jobs.is_busy(),
+        "camera": camera,
         "base": live.base_document(),
         "drive": live.drive_document(dashboard.controls.is_paused()),
     })

@@ -58,6 +58,8 @@ pub struct WatchedDrive {
     /// What the legs that are on their way were planned for.
     next_course: Option<Course>,
     hold: Option<Hold>,
+    /// A person wants the robot to rest on its path.
+    is_paused: bool,
     /// Whether the filter knows where the robot began.
     is_placed: bool,
     /// The time of the last telemetry that the filter has.
@@ -101,6 +103,7 @@ impl WatchedDrive {
             floor,
             next_course: None,
             hold: None,
+            is_paused: false,
             is_placed: false,
             filter_time: Duration::ZERO,
             legs_since: Duration::ZERO,
@@ -175,30 +178,57 @@ impl WatchedDrive {
         stop_asked: impl Fn() -> bool,
         mut on_event: impl FnMut(Duration, Happening),
     ) -> Result<Pose, WatchError> {
+        let wish = || if stop_asked() { Wish::Stop } else { Wish::Drive };
         loop {
-            let now = client.port_mut().now();
-            let mut heard = Vec::new();
-            let stepped = self.step(client, now, stop_asked(), &mut heard);
-            for event in heard {
-                self.hear(event, client);
-                on_event(now, Happening::Drive(event));
-            }
-            let stepped = stepped.and_then(|()| {
-                self.look(client, watcher, now);
-                self.judge(client, now);
-                self.finish(client, now)
-            });
-            let happened = std::mem::take(&mut self.events);
-            happened.into_iter().for_each(|event| on_event(now, Happening::Watch(event)));
-            if let Some(pose) = stepped? {
+            if let Some(pose) = self.step(client, watcher, wish(), &mut on_event)? {
                 return Ok(pose);
             }
             client.port_mut().wait(POLL_INTERVAL).map_err(LinkError::from)?;
         }
     }
 
+    /// One step at the port's time, as somebody wishes: where the robot is once it has reached the goal. Between
+    /// two steps lies a wait of [`POLL_INTERVAL`]. A robot that is paused rests on its path and is looked at, but
+    /// nothing is decided before it may go on.
+    ///
+    /// # Errors
+    /// [`WatchError`]; the robot has stopped then, or does so by itself when the link is silent.
+    pub fn step<P: TimedPort>(
+        &mut self,
+        client: &mut LinkClient<P>,
+        watcher: &mut impl Watcher<P>,
+        wish: Wish,
+        on_event: &mut impl FnMut(Duration, Happening),
+    ) -> Result<Option<Pose>, WatchError> {
+        let now = client.port_mut().now();
+        self.pause(wish == Wish::Pause, now);
+        let mut heard = Vec::new();
+        let driven = self.drive_on(client, now, wish == Wish::Stop, &mut heard);
+        for event in heard {
+            self.hear(event, client);
+            on_event(now, Happening::Drive(event));
+        }
+        let result = driven.and_then(|()| {
+            self.look(client, watcher, now);
+            self.judge(client, now);
+            self.finish(client, now)
+        });
+        let happened = std::mem::take(&mut self.events);
+        happened.into_iter().for_each(|event| on_event(now, Happening::Watch(event)));
+        result
+    }
+
+    /// Whoever waits because a person wants it loses no patience, and looks again before it goes on.
+    fn pause(&mut self, is_paused: bool, now: Duration) {
+        self.is_paused = is_paused;
+        if is_paused {
+            self.judged = Duration::ZERO;
+            self.hold.iter_mut().for_each(|hold| hold.since = now);
+        }
+    }
+
     /// One step of the mission, or of a link on which nothing is driven.
-    fn step<P: TimedPort>(
+    fn drive_on<P: TimedPort>(
         &mut self,
         client: &mut LinkClient<P>,
         now: Duration,
@@ -217,7 +247,7 @@ impl WatchedDrive {
         }
         let wish = if stop_asked || self.ending.is_some() {
             Wish::Stop
-        } else if self.hold.is_some() {
+        } else if self.hold.is_some() || self.is_paused {
             Wish::Pause
         } else {
             Wish::Drive
@@ -315,3 +345,7 @@ impl WatchedDrive {
         }
     }
 }
+
+#[cfg(test)]
+#[cfg(feature = "simulation")]
+mod on_a_simulated_robot;

@@ -93,10 +93,13 @@ impl fmt::Display for Reason {
                     Shape::Polygon(_) => "thing",
                     Shape::Circle(_) => "disc",
                 };
-                let moving = if *moves { "moving " } else { "" };
+                // Where the robot would meet what moves is anywhere on the stretch that both reach.
+                if *moves {
+                    return write!(f, "a {thing} moves into the way from ({x:.2}, {y:.2})");
+                }
                 write!(
                     f,
-                    "a {moving}{thing} in the way at ({x:.2}, {y:.2}), {:.0} mm ahead",
+                    "a {thing} in the way at ({x:.2}, {y:.2}), {:.0} mm ahead",
                     1000.0 * ahead
                 )
             }

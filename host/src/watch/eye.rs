@@ -76,6 +76,11 @@ impl Eye {
         Self { sequence, map, first, unchecked: 0, last: None, is_fixed }
     }
 
+    /// Where the frames show the corners 0..3 of the arena, pixels.
+    pub fn corners(&self, arena: Arena) -> [[f64; 2]; 4] {
+        self.map.seen_corners(arena)
+    }
+
     /// What a photo that was exposed at `exposed` shows; the robot is `expected` there.
     ///
     /// # Errors

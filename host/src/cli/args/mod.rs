@@ -146,6 +146,14 @@ pub(crate) struct ServeArgs {
     /// The robot: auto, sim, elf:FILE, tcp://HOST:PORT or a device.
     #[arg(short, long, env = "WMR_PORT", default_value = "sim")]
     pub(crate) port: String,
+    /// A camera over the arena that is on from the beginning: its frames are shown, and it watches the drives. A
+    /// folder that fills with pictures, http://HOST:PORT/PATH (MJPEG or single pictures), or sim for a simulated
+    /// camera over a simulated robot, which the page can switch on by itself too.
+    #[arg(long, value_name = "SOURCE")]
+    pub(crate) watch: Option<String>,
+    /// With --watch: how old a picture is by the time that its source gives, seconds.
+    #[arg(long, value_parser = quantity::camera_delay, default_value = "0", requires = "watch", value_name = "SECONDS")]
+    pub(crate) watch_delay: f64,
     /// Keep each drive in a folder of its own in this one: photo, plan, run and report; the page lists them.
     #[arg(long, default_value = "wmr-runs", value_name = "DIR")]
     pub(crate) log: PathBuf,

@@ -16,7 +16,8 @@ use wmr::watch::{Expected, Eye, LiveWatcher, Watcher};
 const FIRST: Duration = Duration::from_secs(10);
 /// An older first frame is worth a word.
 const OLD: Duration = Duration::from_secs(5);
-/// How high a simulated camera hangs over the floor, m, and how large its frames are.
+/// How high a simulated camera hangs over the floor, m, and how large its frames are; over a floor that is deeper
+/// than wide it hangs turned.
 const HEIGHT: f64 = 2.5;
 const FRAME: [usize; 2] = [640, 480];
 /// How many of them it sends a second.
@@ -48,11 +49,8 @@ pub(super) fn simulated(
 ) -> Result<First, CliError> {
     let size = world.world.as_ref().map_or([1.0; 2], |world| world.size);
     let radius = world.world.as_ref().map_or(0.075, |world| world.robot_radius);
-    let lens = Lens::above(size, HEIGHT, FRAME);
-    let camera = Some(Camera::from(&lens));
-    let look = robot_look(args.vision.robot_tag, radius)?;
-    let camera_over = camera::Camera::new(lens, Light::beside(size), look, Sensor::default());
-    let stream = Stream::new(camera_over, Timing { rate: RATE, ..Timing::default() });
+    let stream = camera_over(size, robot_look(args.vision.robot_tag, radius)?);
+    let camera = Some(Camera::from(stream.camera().lens()));
     let world = SimulatedWorld { camera: Some(stream), ..world };
     let mut endpoint = endpoint::open(&args.port, world, robot)?;
     let frame = loop {
@@ -66,6 +64,15 @@ pub(super) fn simulated(
     };
     let bytes = png(&frame)?;
     Ok(First { bytes, camera, frames: Frames::Simulated(endpoint) })
+}
+
+/// A simulated camera over a floor of this size, m, on which robot and things look like that.
+pub(crate) fn camera_over(size: [f64; 2], look: Look) -> Stream {
+    let [longer, shorter] = FRAME;
+    let frame = if size[1] > size[0] { [shorter, longer] } else { [longer, shorter] };
+    let lens = Lens::above(size, HEIGHT, frame);
+    let camera = camera::Camera::new(lens, Light::beside(size), look, Sensor::default());
+    Stream::new(camera, Timing { rate: RATE, ..Timing::default() })
 }
 
 /// A robot with a tag, if it is to be known by one.

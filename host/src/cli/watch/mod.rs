@@ -17,6 +17,8 @@ use super::output::Output;
 use super::run::{Driven, Run, RunClock, count_of_legs};
 use super::sim::short_faults;
 use super::way::{self, MarginRule, PlannedWay};
+#[cfg(feature = "dashboard")]
+pub(crate) use frames::camera_over;
 use frames::{First, Frames, Watching};
 use protocol::motion::Limits;
 use std::time::Duration;
@@ -30,10 +32,6 @@ use wmr::track::pose::PoseSigma;
 use wmr::vision::{self, Camera, DetectOptions};
 use wmr::watch::source::SourceError;
 use wmr::watch::{Eye, Happening, Reason, Route, Router, WatchError, WatchOptions, WatchedDrive};
-
-/// How well one frame tells the pose of a robot with a tag, and of one with a mark.
-const TAGGED: PoseSigma = PoseSigma { position: 0.003, heading: 0.012 };
-const MARKED: PoseSigma = PoseSigma { position: 0.006, heading: 0.04 };
 
 /// What is known before the first frame.
 struct Known {
@@ -185,7 +183,8 @@ fn plan(seen: &SeenPhoto, known: &Known, output: Output) -> Result<PlannedWay, C
     way::plan_way(&scene, way::planner(way.planner), &way, MarginRule::ForDriving, output)
 }
 
-fn first_pose(way: &PlannedWay) -> Pose {
+/// Where a way begins.
+pub(crate) fn first_pose(way: &PlannedWay) -> Pose {
     let first = way.file.waypoints.first().copied();
     let position = first.unwrap_or(wmr::geometry::Point::new(0.0, 0.0));
     Pose { position, heading: way.file.start_heading() }
@@ -210,7 +209,12 @@ fn drive(
     run.goal = way.file.waypoints.last().copied();
     let identity = mission::identify(&mut client)?;
     mission::warn_of_wiring(&mut client, identity, output)?;
-    let mut drive = watched(args, way, robot.limits, obstacles, output);
+    let how = Manner {
+        margin: args.way.margin,
+        sigma: if args.vision.robot_tag.is_some() { PoseSigma::TAGGED } else { PoseSigma::MARKED },
+        patience: Duration::from_secs_f64(args.watch_patience),
+    };
+    let mut drive = watched(way, &how, robot.limits, obstacles, output);
     let described = mission::describe_robot(&robot);
     output.say(&format!("robot: {described}; {}", count_of_legs(drive.mission().legs().len())));
     if drive.mission().legs().is_empty() {
@@ -247,10 +251,21 @@ fn drive(
     }
 }
 
-/// The drive that begins with a way.
-fn watched(
-    args: &DriveArgs,
+/// How a drive is watched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manner {
+    /// The margin that somebody asks for, metres.
+    pub(crate) margin: Option<f64>,
+    /// How well one frame tells the robot's pose.
+    pub(crate) sigma: PoseSigma,
+    /// How long the robot waits for a way.
+    pub(crate) patience: Duration,
+}
+
+/// The drive that begins with a way, which was planned around `obstacles`.
+pub(crate) fn watched(
     way: &PlannedWay,
+    how: &Manner,
     limits: Limits,
     obstacles: Vec<Obstacle>,
     output: Output,
@@ -261,13 +276,12 @@ fn watched(
         scene: file.scene.clone(),
         goal: Goal { position, heading: file.goal_heading() },
         plan: way.options.clone(),
-        margins: args.way.margin.map_or(DRIVE_MARGINS.to_vec(), |margin| vec![margin]),
+        margins: how.margin.map_or(DRIVE_MARGINS.to_vec(), |margin| vec![margin]),
         legs: way.legs,
     };
     let legs = way.legs_for(&limits, output);
     let route = Route { legs, length: file.length, margin: way.options.margin };
-    let sigma = if args.vision.robot_tag.is_some() { TAGGED } else { MARKED };
-    let patience = Duration::from_secs_f64(args.watch_patience);
+    let Manner { sigma, patience, .. } = *how;
     let options = WatchOptions { router, sigma, patience, foresees: true };
     WatchedDrive::new(options, limits, first_pose(way), route, obstacles)
 }

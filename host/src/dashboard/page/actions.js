@@ -15,6 +15,7 @@ export function takeState(document) {
     detection: document.detection,
     reading: document.reading,
     faults: document.faults,
+    camera: document.camera,
     scene: document.scene,
     margins: document.scene?.margins ?? document.scene?.obstacles.map(noMargin) ?? [],
     run: document.run,
@@ -94,6 +95,17 @@ export async function useSample() {
     return true;
   });
   if (done) await recognise();
+}
+
+/** The newest frame of the camera over the arena. */
+export async function useLiveFrame() {
+  await working('Taking the live frame …', 'photo', async () => {
+    const { camera } = state;
+    if (!camera.source) await post('camera', { source: camera.sources[0] });
+    takeState(await post('photo', { sample: 'camera' }));
+    photoBlob = await getPhoto();
+    state.undo = [];
+  });
 }
 
 export async function usePhoto(blob) {
@@ -286,7 +298,8 @@ async function planOnce() {
 export async function drive() {
   state.step = 'drive';
   state.past = null;
-  await working('', 'drive', () => post('drive', { plan: state.revision.plan, unattended: state.unattended }));
+  state.adding = null;
+  await working(state.camera?.source ? 'Looking at the floor …' : '', 'drive', () => post('drive', { plan: state.revision.plan, unattended: state.unattended }));
 }
 
 export const pause = () => working('', 'drive', () => post('pause'));

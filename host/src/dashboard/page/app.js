@@ -10,6 +10,8 @@ import './photo.js';
 import './boxes.js';
 import './plan.js';
 import './drive.js';
+import { followFrames } from './live.js';
+import { waitHint } from './watch.js';
 import './reading.js';
 import './steps.js';
 import './runs.js';
@@ -28,7 +30,7 @@ const HINTS = {
   photo: () => DRAWING[state.adding] ?? '',
   boxes: () => DRAWING[state.adding] ?? '',
   plan: () => (!state.start ? 'Click where the robot stands, and drag to where it looks' : !state.goal ? 'Click where it is to go' : ''),
-  drive: () => '',
+  drive: waitHint,
   base: () => '',
 };
 
@@ -96,6 +98,8 @@ async function takeLive(live) {
   state.heard = performance.now();
   state.base = live.base;
   state.drive = live.drive;
+  state.camera = live.camera;
+  followFrames();
   followRobot();
   changed();
   const own = state.revision;

@@ -122,6 +122,7 @@ find('faults').addEventListener('change', () => {
     loss: share('fault-loss'), corruption: share('fault-damage'), latency: (find('fault-latency').valueAsNumber || 0) / 1000,
     slip: [share('fault-slip-left'), share('fault-slip-right')],
     blocked: [wheel === 'left', wheel === 'right'],
+    camera: find('fault-camera').value,
     encoders: ['left', 'right'].map((side) => (encoder.endsWith(side) ? encoder.split(' ')[0] : 'counts')),
   });
 });
@@ -134,8 +135,8 @@ const sendFaults = (wish) => attempt('base', async () => { state.faults = (await
 
 function areSome(faults) {
   if (!faults) return false;
-  const { loss, corruption, latency, slip, blocked, encoders } = faults;
-  return [loss, corruption, latency, ...slip].some((share) => share > 0) || blocked.includes(true) || encoders.some((name) => name !== 'counts');
+  const { loss, corruption, latency, slip, blocked, encoders, camera } = faults;
+  return [loss, corruption, latency, ...slip].some((share) => share > 0) || blocked.includes(true) || encoders.some((name) => name !== 'counts') || camera !== 'sees';
 }
 
 // Frames.

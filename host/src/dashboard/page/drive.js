@@ -24,6 +24,7 @@ function report(run) {
   if (done.collisions !== undefined) {
     rows.push(['Collisions', String(done.collisions)], ['Nearest', (done.min_clearance * 1000).toFixed(0), 'mm']);
   }
+  if (done.watch) rows.push(['New paths', String(done.watch.replans)], ['Waits', String(done.watch.waits)]);
   const list = element('dl', { class: 'figures' });
   figures(list, run.error ? rows.slice(2) : rows);
   const files = ['run.jsonl', 'report.json', 'plan.json', 'scene.json', '15_motion.svg', ...(state.photo ? ['photo'] : [])];

@@ -6,10 +6,13 @@ import { ignore } from './reading.js';
 import { addObstacle, editScene, erase, rememberScene, replan, useCorners } from './actions.js';
 import { currentCorners, currentMap, showCorners } from './stage.js';
 import { changed, state } from './state.js';
+import { setDown } from './watch.js';
 
 const view = find('view');
 /** No box is smaller, metres. */
 const LEAST_BOX = 0.01;
+/** What is dragged less far stays where it is set down, metres. */
+const LEAST_ROLL = 0.03;
 
 let drag = null;
 /** Corners that are not yet said to the server. */
@@ -78,6 +81,21 @@ const begins = {
       return null;
     }
     return beginMove(Number(target.box), floor);
+  },
+  drive: (target, at, floor) => {
+    if (state.adding !== 'thing') return null;
+    const from = onFloor(floor);
+    let to = from;
+    state.draft = [from];
+    changed();
+    return {
+      move: (now, place) => {
+        to = onFloor(place);
+        state.draft = [from, to];
+        changed();
+      },
+      end: () => setDown(from, Math.hypot(to[0] - from[0], to[1] - from[1]) > LEAST_ROLL ? to : null),
+    };
   },
   plan: (target, at, floor) => {
     if (target.heading !== undefined) return { move: (now, place) => turnStart(place) };

@@ -1,7 +1,7 @@
 // Step 1: the photo, the arena's size and corners.
 
 import { find, fill, sentence, showProblem } from './dom.js';
-import { placeCorners, recognise, useCorners, usePhoto, useSample } from './actions.js';
+import { placeCorners, recognise, useCorners, useLiveFrame, usePhoto, useSample } from './actions.js';
 import { openCamera } from './camera.js';
 import { onChange, state } from './state.js';
 
@@ -11,6 +11,7 @@ const REMEMBERED = 'wmr.size';
 for (const button of document.querySelectorAll('[data-pick]')) button.addEventListener('click', () => find('file').click());
 find('try-sample').addEventListener('click', useSample);
 find('use-sample').addEventListener('click', useSample);
+find('use-live').addEventListener('click', useLiveFrame);
 find('use-camera').addEventListener('click', () => openCamera(usePhoto));
 find('corners-auto').addEventListener('click', () => useCorners(null));
 find('corners-place').addEventListener('click', placeCorners);

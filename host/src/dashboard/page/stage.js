@@ -4,6 +4,8 @@ import { withToken } from './api.js';
 import { find, shape } from './dom.js';
 import { bounds, circlePoints, floorMap, gapBetween, inflated, isBox, outline } from './floor.js';
 import { noObstacles } from './boxes.js';
+import { liveFrame } from './live.js';
+import { things, uncertainty, wayAhead } from './seen.js';
 import { changed, onChange, state } from './state.js';
 
 const view = find('view');
@@ -34,11 +36,26 @@ export function currentCorners() {
   return corners ?? state.corners ?? state.detection?.corners_px ?? null;
 }
 
-/** The part of the picture that is shown: all of it, or where the arena is. */
-function frame() {
+/** The picture that is shown, and where the arena's corners are in it: the camera's newest, or the photo. */
+function shownPicture() {
   const { photo } = state;
-  const all = photo ? [0, 0, photo.width, photo.height] : null;
-  if (all && (state.step === 'photo' || !currentCorners())) return all;
+  return liveFrame() ?? (photo && { width: photo.width, height: photo.height, corners: currentCorners() });
+}
+
+/** What a camera tells while it watches a drive. */
+const watchView = () => (state.step === 'drive' && state.drive?.active ? state.drive.view : null);
+
+/** How seen.js draws on the floor, in whose frame the robot and its camera know nothing of a map's. */
+const onFloor = {
+  polygon: (floor, attributes) => polygon(floor.map(addOrigin), attributes),
+  line: (floor, attributes) => line(floor.map(addOrigin), attributes),
+  toPicture: (at) => map.toPicture(addOrigin(at)),
+};
+
+/** The part of the picture that is shown: all of it, or where the arena is. */
+function frame(shown) {
+  const all = shown ? [0, 0, shown.width, shown.height] : null;
+  if (all && (state.step === 'photo' || !shown.corners)) return all;
   const [xs, ys] = [0, 1].map((axis) => map.corners.map((corner) => corner[axis]));
   const pad = 0.06 * Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys));
   const box = [Math.min(...xs) - pad, Math.min(...ys) - pad, Math.max(...xs) + pad, Math.max(...ys) + pad];
@@ -61,7 +78,8 @@ function shownState() {
   const { width, height } = view.getBoundingClientRect();
   const driving = ['drive', 'base'].includes(step) ? [trail.points.length, trail.points.at(-1), state.base?.pose, state.drive?.reference, run?.report !== null] : null;
   const { draft, reading, past, showsGrid, lit } = state;
-  return [draft, reading, state.margins, plan?.tree, past?.name, showsGrid, lit, plan?.mini_matrix, step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
+  const live = liveFrame();
+  return [live?.url, live?.corners, watchView(), draft, reading, state.margins, plan?.tree, past?.name, showsGrid, lit, plan?.mini_matrix, step, photo, revision.photo, arena, scene?.obstacles, scene?.arena, scene?.origin, currentCorners(), selected, adding,
     plan?.waypoints, plan?.margin, state.preview, planProblem?.gap, start, end, driving, width, height];
 }
 
@@ -72,23 +90,23 @@ function draw() {
   if (state.step === 'drive' && state.past) return drawPast();
   if (!showsAnything) return view.replaceChildren();
   const arena = state.scene?.arena ?? state.arena ?? { width: 1, height: 1 };
-  const seen = state.photo ? currentCorners() : null;
-  map = seen || !state.photo ? floorMap(arena, seen, state.scene?.origin) : null;
-  const [x0, y0, x1, y1] = map ? frame() : [0, 0, state.photo.width, state.photo.height];
+  const picture = shownPicture();
+  map = picture?.corners || !picture ? floorMap(arena, picture?.corners ?? null, state.scene?.origin) : null;
+  const [x0, y0, x1, y1] = map ? frame(picture) : [0, 0, picture.width, picture.height];
   view.setAttribute('viewBox', `${x0} ${y0} ${x1 - x0} ${y1 - y0}`);
   const room = view.getBoundingClientRect();
   unit = 1 / Math.max(Math.min((room.width - 28) / (x1 - x0), (room.height - 28) / (y1 - y0)), 1e-3);
   const focused = document.activeElement?.dataset?.key;
-  view.replaceChildren(...layers().filter(Boolean));
+  view.replaceChildren(...layers(picture).filter(Boolean));
   if (focused) view.querySelector(`[data-key="${focused}"]`)?.focus({ preventScroll: true });
 }
 
-function layers() {
-  const ground = state.photo
-    ? picture()
+function layers(seen) {
+  const ground = seen
+    ? picture(seen)
     : polygon(outline([0, 0, state.scene.arena.width, state.scene.arena.height]).map(addOrigin), { class: 'plain-floor', 'data-key': 'floor' });
   if (!map) return [ground];
-  const floor = state.photo ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
+  const floor = seen ? shape('polygon', { points: points(map.corners), class: 'floor-edge' }) : null;
   if (state.step === 'photo') return [ground, floor, ...ignored(), ...draft(), ...(state.photo && currentCorners() ? cornerHandles() : []), ...magnifier()];
   if (!state.scene) return [ground, floor];
   return [ground, floor, ...grown(), ...areas(), ...tree(), ...ignored(), ...erased(), ...uncertain(), ...obstacles(), ...gap(), ...way(), ...goal(), ...reference(), ...robot(), ...tags(), ...ghost(), ...boxHandles(), ...draft()];
@@ -97,12 +115,15 @@ function layers() {
 const addOrigin = ([x, y]) => [x + (state.scene.origin?.[0] ?? 0), y + (state.scene.origin?.[1] ?? 0)];
 
 let shown = { href: '', node: null };
-function picture() {
-  const href = withToken(`/api/photo?revision=${state.revision.photo}`);
-  if (shown.href !== href) {
-    const { width, height } = state.photo;
-    shown = { href, node: shape('image', { href, x: -0.5, y: -0.5, width, height, preserveAspectRatio: 'none' }) };
+let live = null;
+function picture({ url, width, height }) {
+  if (url) {
+    live ??= shape('image', { id: 'live', x: -0.5, y: -0.5, preserveAspectRatio: 'none' });
+    for (const [name, value] of Object.entries({ href: url, width, height })) live.setAttribute(name, value);
+    return live;
   }
+  const href = withToken(`/api/photo?revision=${state.revision.photo}`);
+  if (shown.href !== href) shown = { href, node: shape('image', { href, x: -0.5, y: -0.5, width, height, preserveAspectRatio: 'none' }) };
   return shown.node;
 }
 
@@ -169,6 +190,8 @@ function reference() {
 }
 
 function obstacles() {
+  const watched = watchView();
+  if (watched) return things(watched, onFloor);
   const blocking = state.planProblem?.gap?.between ?? [];
   return state.scene.obstacles.map((obstacle, index) => {
     const floor = outline(obstacle);
@@ -259,7 +282,7 @@ function magnifier() {
   const reach = r / MAGNIFIED;
   const lens = shape('svg', { x: cx - r, y: cy - r, width: 2 * r, height: 2 * r, viewBox: `${x - reach} ${y - reach} ${2 * reach} ${2 * reach}` },
     shape('rect', { x: x - reach, y: y - reach, width: 2 * reach, height: 2 * reach, fill: '#222' }),
-    picture().cloneNode(), shape('polygon', { points: points(map.corners), class: 'floor-edge' }));
+    picture(state.photo).cloneNode(), shape('polygon', { points: points(map.corners), class: 'floor-edge' }));
   const clip = shape('clipPath', { id: 'lens-clip' }, shape('circle', { cx, cy, r }));
   return [clip, shape('g', { 'clip-path': 'url(#lens-clip)', class: 'lens', id: 'magnifier' }, lens),
     shape('circle', { class: 'lens-rim', cx, cy, r }),
@@ -299,6 +322,8 @@ function gap() {
 function way() {
   const list = state.plan?.waypoints;
   const driven = trail.points.length > 1 && state.step === 'drive' ? line(trail.points.map(addOrigin), { class: 'trail' }) : null;
+  const watched = watchView();
+  if (watched) return [...wayAhead(watched, onFloor), driven];
   if (!list) return [driven];
   const old = state.run?.report && state.step === 'drive' ? ' old' : '';
   const stops = list.slice(1, -1).map((at) => {
@@ -327,10 +352,11 @@ function nose([x, y, heading]) {
 function robot() {
   // The robot knows nothing of a map's frame.
   const live = ['drive', 'base'].includes(state.step) && trail.points.length > 0 && state.base?.pose && [...addOrigin(state.base.pose), state.base.pose[2]];
-  const pose = live || state.start;
+  const watched = watchView();
+  const pose = watched ? [...addOrigin(watched.pose), watched.pose[2]] : live || state.start;
   if (!pose) return [];
-  const body = polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: `robot-body${live ? ' live' : ''}`, id: 'robot' });
-  if (state.step !== 'plan') return [body, nose(pose)];
+  const body = polygon(circlePoints(pose, state.scene.robot_radius || 0.05), { class: `robot-body${live || watched ? ' live' : ''}${watched?.held ? ' waits' : ''}`, id: 'robot' });
+  if (state.step !== 'plan') return [body, nose(pose), ...(watched ? uncertainty(watched, onFloor) : [])];
   const [x, y, heading] = pose;
   const reach = Math.max((state.scene.robot_radius ?? 0.075) * 1.9, 0.02);
   const tip = [x + reach * Math.cos(heading), y + reach * Math.sin(heading)];

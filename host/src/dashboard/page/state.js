@@ -17,6 +17,9 @@ export const state = {
   run: null,
   base: null,
   drive: null,
+  /** The camera over the arena, and its newest frame {number, url, width, height} if it is shown. */
+  camera: null,
+  live: null,
   revision: { photo: -1, scene: -1, plan: -1, run: -1 },
   /** How the photo is read, as POST /api/detect has it. */
   reading: { tags: null, robot_tag: null, goal_tag: null, ignore: [], camera: null },
@@ -39,7 +42,7 @@ export const state = {
   preview: null,
   /** What the person is doing. */
   selected: null,
-  /** What is being drawn: box, disc, polygon, ignore or null; corners of a polygon that are there already. */
+  /** What is being drawn: box, disc, polygon, ignore, thing or null; corners of a polygon that are there already. */
   adding: null,
   draft: [],
   undo: [],

@@ -58,6 +58,11 @@ pub struct PoseSigma {
 }
 
 impl PoseSigma {
+    /// Of a robot with a tag, in one frame.
+    pub const TAGGED: Self = Self { position: 0.003, heading: 0.012 };
+    /// Of a robot with a mark or of a colour of its own.
+    pub const MARKED: Self = Self { position: 0.006, heading: 0.04 };
+
     fn covariance(self) -> Matrix3<f64> {
         let position = self.position * self.position;
         Matrix3::from_diagonal(&Vector3::new(position, position, self.heading * self.heading))

@@ -4,6 +4,7 @@
 //! [Alghannam, Sec. II]. Here what is neither floor nor shadow is explained by boxes, and footprints
 //! are told from outlines wherever visible sides show that boxes lean.
 
+use super::balance::shaded_area;
 use super::border_colours::BorderColours;
 use super::evidence::{Evidence, coarse_scale};
 use super::footprint::without_floor;
@@ -25,14 +26,18 @@ use crate::vision::image::Photo;
 use crate::vision::plan_view::PlanFrame;
 use crate::vision::robot::RobotTop;
 
-/// Boxes lean if that explains this share more, where sides that are plainly seen count as so much.
-const LEAN_GAIN: f32 = 0.012;
+/// Boxes lean if that explains this share more. From where they are seen nothing leans if it explains no more than
+/// the least, where sides that are plainly seen count as so much.
+const LEAN_GAIN: f32 = 0.035;
+const LEAST_LEAN_GAIN: f32 = 0.012;
 const SHOWN_WEIGHT: f32 = 0.03;
 /// Shadow of this many square metres matters.
 const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
 const MOST_LEFT: f32 = 0.25;
-
+/// Shadow that leaves less light than a third (natural logarithm) is more likely the colour of things: a lamp must
+/// explain nearly all of it.
+const DEEP_SHADOW: f32 = 1.1;
 /// Another reading of shadow is taken if it leaves less than this share unexplained.
 const CLEARLY: f32 = 0.9;
 
@@ -44,7 +49,7 @@ pub(crate) struct Found {
     pub(crate) boxes: Vec<Bounded>,
     /// What is no upright box.
     pub(crate) shapes: Vec<Obstacle>,
-    /// Whether they lean; unknown without boxes.
+    /// Whether they lean; unknown without boxes, and of what may as well be cut from card.
     pub(crate) leans: Option<bool>,
     /// Whether thin lines from side to side were taken for lines on the floor.
     pub(crate) has_lines: bool,
@@ -80,7 +85,8 @@ impl Found {
 /// Finds the boxes.
 ///
 /// They are searched for twice, upright and leaning away from the camera's foot point. From far away no lean
-/// can be seen, and a free lean only fits noise; so leaning boxes must explain more or show sides.
+/// can be seen, and a free lean only fits noise or what is no upright box; so leaning boxes must explain more than
+/// upright ones do, and than outlines of one colour where no shadow tells of heights.
 ///
 /// Shadow that no lamp explains may be boxes as dark as shadow, which must not be lost. Then all that is
 /// dark is taken for boxes. If the shadows of these tell the lamp after all, and the lamp leaves little
@@ -101,7 +107,7 @@ pub(crate) fn find(
         };
         let picture = Picture { photo, map, look: &look, robot, viewpoint };
         let scene = picture.explain(&evidence);
-        let left = picture.left_over(&scene, &evidence);
+        let left = scene.search(&evidence).left_over(&scene.boxes);
         let clearly = |best: &Reading| scene.lamp.is_some() && left < CLEARLY * best.left;
         if best.as_ref().is_none_or(clearly) {
             best = Some(Reading { shadow, evidence, scene, left });
@@ -112,7 +118,9 @@ pub(crate) fn find(
     };
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
-    if first.lamp.is_some() || shade(&evidence) < LEAST_SHADE {
+    let is_deep = shadow.is_some_and(|shadow| shadow.offset[0] < -DEEP_SHADOW);
+    let is_cast = !is_deep || first.shade_left(&evidence) < MOST_LEFT;
+    if first.lamp.is_some() && is_cast || shaded_area(&evidence) < LEAST_SHADE {
         return picture.settle(first, &evidence, true);
     }
     let dark = picture.explain(&evidence.judged_again(&look, robot, false));
@@ -155,7 +163,7 @@ pub(crate) struct Known {
     has_shadows: bool,
     foot: Option<Point>,
     lamp: Option<Lamp>,
-    /// Whether boxes lean; unknown without boxes.
+    /// Whether boxes lean, if that is known.
     pub(crate) leans: Option<bool>,
 }
 
@@ -179,12 +187,6 @@ struct Standing {
     trace: Trace,
 }
 
-/// How much of the floor is in shadow, square metres.
-fn shade(evidence: &Evidence) -> f64 {
-    let shaded: f32 = evidence.shade.cells().iter().map(|shade| shade.max(0.0)).sum();
-    f64::from(shaded) / evidence.frame.scale.powi(2)
-}
-
 /// A reading of shadow, what it makes of the picture, and how much it leaves unexplained, cells.
 struct Reading {
     shadow: Option<Shadow>,
@@ -199,6 +201,17 @@ struct Scene {
     foot: Option<Point>,
     lamp: Option<Lamp>,
     leans: Option<bool>,
+}
+
+impl Scene {
+    fn search<'a>(&self, evidence: &'a Evidence) -> Search<'a> {
+        Search { evidence, foot: self.foot, lamp: self.lamp }
+    }
+
+    /// The share of the shadow that it leaves unexplained.
+    fn shade_left(&self, evidence: &Evidence) -> f32 {
+        self.search(evidence).unexplained_shade(&self.boxes)
+    }
 }
 
 /// A picture and what is known of it before boxes are searched for.
@@ -226,17 +239,16 @@ impl Picture<'_> {
         });
         let search = Search { lamp, ..search };
         let leaning = if lamp.is_some() { search.run(&with(&rects, &leaning)) } else { leaning };
+        // Without a shadow that tells of heights an outline of one colour is as likely cut from card.
+        let cut = if lamp.is_none() { upright.explained_by_outlines(&flat) } else { 0.0 };
+        let (explained, by_flat) = (search.explained(&leaning), upright.explained(&flat));
+        let leans = explained / (by_flat + cut).max(1.0) - 1.0 > LEAN_GAIN;
         let shown = leaning.iter().filter(|&&seen| sharpener.shown_lean(seen).is_some()).count();
-        let gain = search.explained(&leaning) / upright.explained(&flat).max(1.0) - 1.0;
-        let leans = gain + SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32 > LEAN_GAIN;
+        let shown = SHOWN_WEIGHT * shown as f32 / leaning.len().max(1) as f32;
         let any = !(flat.is_empty() && leaning.is_empty());
+        let is_flat = any && explained / by_flat.max(1.0) - 1.0 + shown < LEAST_LEAN_GAIN;
         let (boxes, foot) = if leans { (leaning, foot) } else { (flat, None) };
-        Scene { boxes, foot, lamp, leans: any.then_some(leans) }
-    }
-
-    /// What an explanation leaves unexplained, in cells.
-    fn left_over(&self, scene: &Scene, evidence: &Evidence) -> f32 {
-        Search { evidence, foot: scene.foot, lamp: scene.lamp }.left_over(&scene.boxes)
+        Scene { boxes, foot, lamp, leans: (leans || is_flat).then_some(leans) }
     }
 
     /// Seeks boxes under a lamp; `None` if they leave more shadow unexplained than they explain.
@@ -244,8 +256,8 @@ impl Picture<'_> {
         let foot = self.viewpoint.map(|view| view.foot);
         let search = Search { evidence, foot, lamp: Some(lamp) };
         let boxes = search.run(&with(&proposals(evidence), dark));
-        let left = search.unexplained_shade(&boxes);
-        (left < MOST_LEFT).then_some(Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) })
+        let scene = Scene { boxes, foot, lamp: Some(lamp), leans: Some(true) };
+        (scene.shade_left(evidence) < MOST_LEFT).then_some(scene)
     }
 
     /// The boxes of an explanation of the whole picture, with what it tells of floor and light.

@@ -21,7 +21,7 @@ const WALL_FOOT: f64 = 0.035;
 /// Lines on a floor reach two opposite sides of the arena to within so much, metres.
 const LINE_END: f64 = 0.04;
 /// What lies in a disc of so many radii about the robot's top belongs to it or to its shadow.
-const ROBOT_REACH: f64 = 1.0;
+const ROBOT_REACH: f64 = 1.2;
 /// Places along an edge where its step is measured, and half the distance across it: metres, and cells.
 const PLACES: usize = 24;
 const ACROSS: f64 = 0.010;

@@ -19,7 +19,7 @@ const FACE_SPREAD: Feature = [0.40, 0.16, 0.16];
 /// A side whose mean colour is this far from the top's is seen as one.
 const SIDE_CONTRAST: f32 = 0.2;
 /// Every cell of a box costs a little: what floor explains nearly as well is floor.
-const CELL_CHARGE: f32 = 0.06;
+pub(crate) const CELL_CHARGE: f32 = 0.06;
 /// The outermost cells of an outline are blurred with what is around it: they only pull the edge to
 /// where the background ends.
 const RIM: f64 = 1.0;
@@ -319,7 +319,7 @@ struct FaceColour {
 }
 
 /// What it costs that a cell belongs to a face of a colour, 0 to 1.
-fn face_cost(seen: Feature, colour: Feature) -> f32 {
+pub(crate) fn face_cost(seen: Feature, colour: Feature) -> f32 {
     let square: f32 =
         (0..3).map(|part| ((seen[part] - colour[part]) / FACE_SPREAD[part]).powi(2)).sum();
     square.min(1.0)

@@ -17,6 +17,8 @@ use crate::vision::plan_view::PlanFrame;
 
 /// Boxes that share this much of their area and a patch's, joined, explain the patch.
 const WELL_EXPLAINED: f64 = 0.93;
+/// Boxes that share less of it explain it poorly.
+const POORLY_EXPLAINED: f64 = 0.7;
 /// A shape replaces them if it shares so much more, where nothing leans.
 const CLEARLY_BETTER: f64 = 0.03;
 /// The same where nothing leans and no light casts shadows.
@@ -35,8 +37,9 @@ const AROUND_CELLS: usize = 8;
 const TOLERANCE_CELLS: f64 = 1.25;
 /// That of what has no simpler shape may be so many times as coarse.
 const COARSER: [f64; 3] = [1.0, 2.0, 4.0];
-/// Of these, one that replaces boxes has at most the first so many.
-const TRIED: usize = 2;
+/// One that replaces boxes agrees with its patch nearly wholly if it is more than so many times as coarse.
+const COARSE: f64 = 2.0;
+const WHOLLY: f64 = 0.98;
 /// A shape's outline encloses at most so much more than its patch has cells: a ring is no shape.
 const MOST_ENCLOSED: f64 = 1.15;
 /// An edge of this direction or less against the arena's is upright, radians; so much of a shape's outline
@@ -93,9 +96,8 @@ impl Patches<'_> {
         if explained > if is_plain { PLAINLY_EXPLAINED } else { WELL_EXPLAINED } {
             return None;
         }
-        let is_better = |fitted: &FittedShape| {
+        let is_better = |&(coarser, ref fitted): &(f64, FittedShape)| {
             let better = agreement(&|at| fitted.shape.contains(at));
-            let encloses = fitted.shape.area() * self.frame.scale.powi(2) / count as f64;
             let is_turned = turned_share(&fitted.shape) > LEAST_TURNED;
             let gain = match is_turned {
                 true if is_plain => PLAINLY_BETTER,
@@ -105,13 +107,22 @@ impl Patches<'_> {
                 _ => MUCH_BETTER,
             };
             better > explained + gain
-                && encloses < MOST_ENCLOSED
+                && (coarser <= COARSE || better > WHOLLY)
+                && self.encloses_little(fitted, count)
                 && (is_turned || !self.is_lit)
                 && !is_ragged(&fitted.shape, if self.is_lit { 0 } else { FEW_SHORT })
         };
-        let fits = COARSER.into_iter().filter_map(|coarser| self.fitted(count, &window, coarser));
-        let fitted = fits.take(TRIED).find(is_better)?;
-        Some(Shaped { obstacle: self.obstacle(fitted), replaces })
+        let fitted = |coarser| Some((coarser, self.fitted(count, &window, coarser)?));
+        let fits: Vec<(f64, FittedShape)> = COARSER.into_iter().filter_map(fitted).collect();
+        // Of what has no simple shape the outline still tells more than boxes that miss a third of it.
+        let is_outline = |(_, fitted): &&(f64, FittedShape)| {
+            explained < POORLY_EXPLAINED && !self.is_lit && self.encloses_little(fitted, count)
+        };
+        let (_, fitted) = fits
+            .iter()
+            .find(|fitted| is_better(fitted))
+            .or_else(|| fits.iter().find(is_outline))?;
+        Some(Shaped { obstacle: self.obstacle(fitted.clone()), replaces })
     }
 
     /// A shape around the cells of a patch that lie inside of its edge, if there is a simple one.
@@ -119,10 +130,14 @@ impl Patches<'_> {
         let window = Window::around(patch, self.levels);
         let fitted = COARSER.into_iter().find_map(|coarser| {
             let fitted = self.fitted(patch.len(), &window, coarser)?;
-            let area = fitted.shape.area() * self.frame.scale.powi(2);
-            (area < MOST_ENCLOSED * patch.len() as f64).then_some(fitted)
+            self.encloses_little(&fitted, patch.len()).then_some(fitted)
         })?;
         Some(self.obstacle(fitted))
+    }
+
+    /// Whether a shape encloses hardly more than the `count` cells of its patch.
+    fn encloses_little(&self, fitted: &FittedShape, count: usize) -> bool {
+        fitted.shape.area() * self.frame.scale.powi(2) < MOST_ENCLOSED * count as f64
     }
 
     fn obstacle(&self, fitted: FittedShape) -> Obstacle {

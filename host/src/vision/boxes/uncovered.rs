@@ -103,10 +103,12 @@ impl Explained<'_> {
         let outline = |seen: &LeaningBox| self.foot.map_or(seen.base, |foot| seen.bounds(foot));
         let outlines: Vec<Rect> = self.boxes.iter().map(outline).collect();
         let patches = self.patches(seen);
+        let (things, bounds) = self.things(seen);
         let mut added = Vec::new();
         for patch in regions(&unexplained) {
+            let thing = bounds[things.cells()[patch[0]]];
             let is_sure = is_sure(&seen.distances, &patch);
-            for region in self.beyond(&patch, width, is_sure, &outlines, bounded) {
+            for region in self.beyond(&patch, thing, is_sure, &outlines, bounded) {
                 let rects = self.cover(&region, width);
                 match patches.outline(&region).filter(|_| rects.len() > 1 && self.lamp.is_none()) {
                     Some(shape) => added.push(shape),
@@ -117,22 +119,36 @@ impl Explained<'_> {
         added
     }
 
-    /// The regions of a patch that are surely no noise and too far from `outlines` to be a matter of their
-    /// margins, which are widened by the others.
+    /// What is connected and no floor: the number of every cell's thing, and the bounds of each.
+    fn things(&self, seen: &Foreign) -> (Raster<usize>, Vec<Rect>) {
+        let patches = regions(&seen.levels.map(|level| level >= 1.0));
+        let (width, height) = (seen.levels.width(), seen.levels.height());
+        let mut things = Raster::filled(width, height, 0);
+        for (index, patch) in patches.iter().enumerate() {
+            patch.iter().for_each(|&cell| things.cells_mut()[cell] = index);
+        }
+        let bounds = patches.iter().map(|patch| self.metres(around(patch, width)));
+        (things, bounds.collect())
+    }
+
+    /// The regions of a patch of a thing with these bounds that are surely no noise and too far from `outlines` to
+    /// be a matter of their margins, which are widened by the others.
     fn beyond(
         &self,
         patch: &[usize],
-        width: usize,
+        thing: Rect,
         is_sure: bool,
         outlines: &[Rect],
         bounded: &mut [Bounded],
     ) -> Vec<Vec<usize>> {
+        let width = self.look.features.width();
         let rect = self.metres(around(patch, width));
         if !is_sure {
             widen(rect, MOST_WIDENED, with_margins(outlines, bounded));
             return vec![];
         }
-        if is_along_wall(rect, self.look.frame.arena)
+        // What remains of a thing that reaches onto the floor is no foot of a wall.
+        if is_along_wall(thing, self.look.frame.arena)
             || is_part_of_robot(rect, self.robot)
             || goes_over_into_floor(patch, self.look)
         {

@@ -62,6 +62,7 @@ impl WatchedDrive {
         let knows = sights > 0 && self.filter.growth(now).verdict == Verdict::OnPath;
         if missed
             && knows
+            && !self.is_paused
             && self.touch_ups < MOST_TOUCH_UPS
             && let Ok(route) = self.route(pose, (0.0, false))
             && !route.legs.is_empty()

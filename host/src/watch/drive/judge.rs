@@ -78,7 +78,8 @@ impl WatchedDrive {
     pub(super) fn judge<P: TimedPort>(&mut self, client: &mut LinkClient<P>, now: Duration) {
         let due = self.judged.is_zero() || now >= self.judged + JUDGE_INTERVAL;
         let drives = self.ended.is_none() && self.mission.has_begun() && self.is_placed;
-        if !due || !drives || self.ending.is_some() || self.mission.is_replacing() {
+        let decides = self.ending.is_none() && !self.is_paused;
+        if !due || !drives || !decides || self.mission.is_replacing() {
             return;
         }
         self.judged = now;

@@ -100,6 +100,25 @@ fn an_empty_floor_has_no_obstacles_and_lines_from_side_to_side_are_floor_but_sai
     assert!(lines.obstacles.is_empty(), "{:?}", lines.obstacles);
     assert!(lines.warnings.contains(&Warning::FloorLines));
 }
+
+/// A robot without a mark, say: its body, its wheel and loops of cable that reach the wall.
+#[test]
+fn a_thing_of_no_simple_shape_beside_the_wall_lies_inside_what_is_reported() {
+    let turned = |p: Point| in_turned(Point::new(p.x + 0.47, p.y + 0.25), 0.3, 0.09, 0.07);
+    let ring = |p: Point, x: f64, y: f64, radius: f64| {
+        (p.distance(Point::new(x, y)) - radius).abs() < 0.006
+    };
+    let is_dark = |p: Point| {
+        turned(p)
+            || ring(p, 0.05, 0.12, 0.05)
+            || ring(p, 0.06, 0.26, 0.04)
+            || p.distance(Point::new(0.2, 0.3)) < 0.06
+    };
+    let seen = seen(is_dark);
+    let out = out_by(&seen, is_dark);
+    assert!(out < TOLERANCE, "{out} {:?}", seen.obstacles);
+}
+
 #[test]
 fn a_blurred_triangle_ends_where_half_of_the_light_is_the_floors() {
     let corners = [Point::new(0.4, 0.3), Point::new(0.8, 0.35), Point::new(0.55, 0.65)];
