@@ -8,11 +8,13 @@ use wmr::dynamic::{Demand, DynamicArena, Future, Quest};
 use wmr::geometry::{Point, Pose, Rect};
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration};
 use wmr::link::LinkClient;
+use wmr::link::drive::{POLL_INTERVAL, Wish};
 use wmr::plan::{DRIVE_MARGINS, PlanOptions};
 use wmr::protocol::motion::Timing;
 use wmr::scene::{Goal, Scene};
 use wmr::shape::Shape;
 use wmr::simulated::robot_in;
+use wmr::track::obstacles::Tracker;
 use wmr::track::pose::PoseSigma;
 use wmr::watch::source::SourceError;
 use wmr::watch::{Look, Route, Router, Sight, WatchOptions, WatchedDrive, Watcher};
@@ -37,29 +39,35 @@ const OVERLAP: f64 = 1e-4;
 const REACHED: f64 = 0.01;
 /// The oracle knows all that happens so long.
 const KNOWN: f64 = 40.0;
+/// Predictions for so long ahead are held against the truth, in so many frames, once a thing was seen so often.
+const AHEAD: f64 = 2.0;
+const PREDICTED: u32 = 80;
+const KNOWN_IN: u32 = 5;
 
 /// What became of a drive.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Drive {
     pub(crate) contacts: u32,
     pub(crate) reached: bool,
     pub(crate) time: f64,
     pub(crate) holds: u32,
     pub(crate) replans: u32,
+    /// How long the host took from each frame to what it told the robot, ms.
+    pub(crate) judging: Vec<f64>,
 }
 
 /// What became of a mission.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Outcome {
     pub(crate) seed: u64,
-    /// Without things that move.
+    /// By one who sees nothing that moves: its contacts are those of the undelayed drive.
     pub(crate) alone: Drive,
     pub(crate) predicted: Drive,
     pub(crate) replanned: Drive,
     /// In times of the plan without things that move.
     pub(crate) oracle: f64,
-    /// How long its plan took, ms.
-    pub(crate) planning: f64,
+    /// How far off each prediction was after two seconds, and how far off it may have been, m.
+    pub(crate) predictions: Vec<(f64, f64)>,
 }
 
 /// What is to be done.
@@ -113,25 +121,24 @@ impl<'a> Task<'a> {
 
     /// Drives it in all ways.
     pub(crate) fn run(&self) -> Outcome {
-        let (oracle, planning) = self.plan_knowing_all();
         Outcome {
             seed: self.seed,
             alone: self.alone(),
             predicted: self.foreseeing(),
-            replanned: self.drive(&self.tracks, false),
-            oracle,
-            planning,
+            replanned: self.drive(true, false),
+            oracle: self.plan_knowing_all(),
+            predictions: self.predictions(),
         }
     }
 
-    /// Drives it without things that move.
+    /// Drives it without seeing what moves.
     pub(crate) fn alone(&self) -> Drive {
-        self.drive(&[], true)
+        self.drive(false, true)
     }
 
     /// Drives it with predictions of what moves.
     pub(crate) fn foreseeing(&self) -> Drive {
-        self.drive(&self.tracks, true)
+        self.drive(true, true)
     }
 
     fn router(&self) -> Router {
@@ -149,9 +156,9 @@ impl<'a> Task<'a> {
         route.unwrap_or(Route { legs: Vec::new(), length: 0.0, margin: 0.0 })
     }
 
-    fn drive(&self, tracks: &[&Track], foresees: bool) -> Drive {
+    fn drive(&self, sees: bool, foresees: bool) -> Drive {
         let mut client = LinkClient::new(robot_in(&self.scene, self.start, self.seed), 1);
-        let mut camera = Camera::new(tracks, self);
+        let mut camera = Camera::new(self, sees);
         let options = WatchOptions {
             router: self.router(),
             sigma: SIGMA,
@@ -160,30 +167,74 @@ impl<'a> Task<'a> {
         };
         let shown = camera.shown(0.0);
         let mut drive = WatchedDrive::new(options, DEFAULT_LIMITS, self.start, self.route(), shown);
-        let result = drive.run(&mut client, &mut camera, || false, |_, _| ());
+        let mut judging = Vec::new();
+        let result = loop {
+            let (frames, began) = (camera.frames, Instant::now());
+            match drive.step(&mut client, &mut camera, Wish::Drive, &mut |_, _| ()) {
+                Ok(None) => {}
+                end => break end,
+            }
+            if camera.frames > frames {
+                judging.push(1000.0 * began.elapsed().as_secs_f64());
+            }
+            if client.port_mut().wait(POLL_INTERVAL).is_err() {
+                break Ok(None);
+            }
+        };
         let end = Pose::from(client.port_mut().truth().pose).position;
         let counts = drive.statistics();
         Drive {
             contacts: camera.contacts,
-            reached: result.is_ok() && end.distance(self.goal.position) < REACHED,
+            reached: matches!(result, Ok(Some(_))) && end.distance(self.goal.position) < REACHED,
             time: camera.rests_since,
             holds: counts.waits,
             replans: counts.replans,
+            judging,
         }
     }
 
-    /// The time of the best plan for one who knows how everything will move, and how long planning takes, ms.
-    fn plan_knowing_all(&self) -> (f64, f64) {
+    /// The time of the best plan for one who knows how everything will move.
+    fn plan_knowing_all(&self) -> f64 {
         let futures: Vec<Future> = self.tracks.iter().map(|track| self.truth(track)).collect();
         let demand = Demand { keep: RADIUS + DRIVE_MARGINS[0], sure: KNOWN };
-        let quest =
-            Quest { from: self.start, start: 0.0, goal: self.goal, way: &[], futures: &futures };
-        let began = Instant::now();
+        let quest = Quest {
+            from: self.start,
+            start: 0.0,
+            goal: self.goal,
+            within: f64::INFINITY,
+            way: &[],
+            futures: &futures,
+        };
         let plan = DynamicArena::new(&self.scene, DEFAULT_LIMITS, LEGS, demand).plan(&quest);
-        let planning = 1000.0 * began.elapsed().as_secs_f64();
         let alone = duration(&self.route().legs, &DEFAULT_LIMITS);
-        let time = if plan.waits_for.is_none() { plan.arrival / alone } else { f64::INFINITY };
-        (time, planning)
+        if plan.waits_for.is_none() { plan.arrival / alone } else { f64::INFINITY }
+    }
+
+    /// Holds predictions of what moves against the truth.
+    fn predictions(&self) -> Vec<(f64, f64)> {
+        let mut camera = Camera::new(self, true);
+        let mut tracker = Tracker::default();
+        let mut found = Vec::new();
+        for frame in 0..PREDICTED {
+            let time = FRAME * f64::from(frame);
+            if camera.random.f64() < LOST {
+                continue;
+            }
+            let shown: Vec<Shape> =
+                camera.shown(time).into_iter().map(|thing| thing.footprint).collect();
+            tracker.update(Duration::from_secs_f64(time), &shown);
+            for track in tracker.tracks().iter().filter(|track| track.frames() >= KNOWN_IN) {
+                let off = |other: &&&Track| {
+                    other.at(self.began + time).distance(track.footprint().bounds().centre())
+                };
+                let nearest = self.tracks.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+                let later = self.began + time + AHEAD;
+                let Some(truth) = nearest.filter(|truth| later <= truth.span().1) else { continue };
+                let set = track.predicted(Duration::from_secs_f64(AHEAD));
+                found.push((set.footprint.bounds().centre().distance(truth.at(later)), set.reach));
+            }
+        }
+        found
     }
 
     /// How a thing will really move.
@@ -204,6 +255,8 @@ fn footprint(at: Point) -> Shape {
 /// A camera over the floor, which also notes what really happens.
 struct Camera<'a> {
     tracks: Vec<&'a Track>,
+    /// Whether it shows what moves.
+    sees: bool,
     began: f64,
     random: fastrand::Rng,
     frames: u32,
@@ -215,9 +268,10 @@ struct Camera<'a> {
 }
 
 impl<'a> Camera<'a> {
-    fn new(tracks: &[&'a Track], task: &Task) -> Self {
+    fn new(task: &Task<'a>, sees: bool) -> Self {
         Self {
-            tracks: tracks.to_vec(),
+            tracks: task.tracks.clone(),
+            sees,
             began: task.began,
             random: fastrand::Rng::with_seed(task.seed ^ 0x5eed),
             frames: 0,
@@ -240,7 +294,7 @@ impl<'a> Camera<'a> {
             .tracks
             .iter()
             .map(|track| track.at(self.began + time))
-            .filter(|at| inside.contains(*at))
+            .filter(|at| self.sees && inside.contains(*at))
             .collect();
         let seen = |at: Point| {
             let at = Point::new(at.x + self.noise(ERROR), at.y + self.noise(ERROR));

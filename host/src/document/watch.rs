@@ -143,7 +143,8 @@ mod tests {
     fn what_moves_has_a_path_and_what_stands_none() {
         let obstacle: crate::scene::Obstacle = Rect::new(0.4, 0.4, 0.6, 0.6).into();
         let thing = |velocity| {
-            ThingDocument::new(&Hazard { obstacle: obstacle.clone(), velocity, is_known: true })
+            let obstacle = obstacle.clone();
+            ThingDocument::new(&Hazard { obstacle, velocity, may_move: true, is_known: true })
         };
         let moving = thing([0.1, 0.0]).predicted;
         assert_eq!(moving.len(), 21);

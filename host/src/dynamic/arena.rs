@@ -9,8 +9,10 @@ use crate::scene::{Goal, Scene};
 use crate::shape::Shape;
 use protocol::motion::Limits;
 
-/// The step of time in which legs are tried where there is risk, s, and the longest where there is none.
+/// The step of time in which legs are tried near what is forbidden, s; the longest where there is risk, and where
+/// there is none.
 const STEP: f64 = 0.02;
+const RISK_STEP: f64 = 0.1;
 const LONG_STEP: f64 = 1.0;
 /// A leg along something that stands comes no nearer if by less than this, m.
 const NEARER: f64 = 0.001;
@@ -37,6 +39,8 @@ pub struct Quest<'a> {
     pub start: f64,
     /// Where to.
     pub goal: Goal,
+    /// Ways that cost as much are of no use, s.
+    pub within: f64,
     /// Places on the way among what stands, if one is known: corners that no cell lies near.
     pub way: &'a [Point],
     /// What moves.
@@ -81,21 +85,21 @@ impl<'a> DynamicArena<'a> {
         motion: &LegMotion,
         (quest, fastest): (&Quest, f64),
         begins: f64,
-        is_first: bool,
     ) -> Result<f64, (f64, usize)> {
         let length = motion.times()[2];
-        let leaving = is_first.then_some(quest.from.position);
         let (mut time, mut risk) = (0.0, 0.0);
         loop {
             let place = motion.position(time);
-            let band = self.demand.at(quest.futures, place, begins + time, leaving);
+            let band = self.demand.at(quest.futures, place, begins + time);
             if let Some(nearest) = band.nearest.filter(|_| band.gap < 0.0) {
                 return Err((begins + time, nearest));
             }
             if time >= length {
                 return Ok(risk);
             }
-            let step = (band.slack / fastest).clamp(STEP, LONG_STEP).min(length - time);
+            let (free, longest) =
+                if band.risk > 0.0 { (band.gap, RISK_STEP) } else { (band.slack, LONG_STEP) };
+            let step = (free / fastest).clamp(STEP, longest).min(length - time);
             risk += band.risk * step;
             time += step;
         }

@@ -13,9 +13,6 @@
 use super::Future;
 use crate::geometry::Point;
 
-/// A robot that stands too near to something may move if it comes no nearer than standing would, m.
-const NEARER: f64 = 0.001;
-
 /// Distances beyond the fuzzy edge are of no interest from here on, m.
 const FAR: f64 = 0.5;
 
@@ -47,20 +44,14 @@ impl Demand {
         future.reach(time.min(self.sure))
     }
 
-    /// How `point` is at `time`. A robot at `leaving` may be nearer to what a thing may reach than asked, but
-    /// not nearer than if it stayed.
-    pub fn at(&self, futures: &[Future], point: Point, time: f64, leaving: Option<Point>) -> Band {
+    /// How `point` is at `time`.
+    pub fn at(&self, futures: &[Future], point: Point, time: f64) -> Band {
         let mut band = Band { gap: f64::INFINITY, slack: f64::INFINITY, risk: 0.0, nearest: None };
         for (index, future) in futures.iter().enumerate() {
             let reach = future.reach(time);
             let edge = self.keep + reach;
             let distance = future.distance(point, time, edge + FAR);
-            let mut need = self.keep + self.hard(future, time);
-            if let Some(from) = leaving
-                && distance < need
-            {
-                need = need.min((future.distance(from, time, edge + FAR) - NEARER).max(self.keep));
-            }
+            let need = self.keep + self.hard(future, time);
             if distance - need < band.gap {
                 (band.gap, band.nearest) = (distance - need, Some(index));
             }
@@ -89,22 +80,12 @@ mod tests {
         let moves = (0..=20).map(|layer| ([0.0; 2], 0.01 * f64::from(layer)));
         let futures = [Future::new(disc(), moves)];
         let demand = Demand { keep: 0.08, sure: 1.0 };
-        let at = |x, time| demand.at(&futures, Point::new(x, 0.0), time, None);
+        let at = |x, time| demand.at(&futures, Point::new(x, 0.0), time);
         // At 2 s: forbidden up to 0.05 + 0.08 + 0.1, risky up to 0.33 m.
         let band = at(0.28, 2.0);
         assert!((band.gap - 0.05).abs() < 1e-9 && (band.slack + 0.05).abs() < 1e-9, "{band:?}");
         assert!((band.risk - 0.0625).abs() < 1e-9, "(0.05 / 0.2)²");
         assert!(at(0.22, 2.0).gap < 0.0 && at(0.34, 2.0).risk == 0.0);
         assert!((at(0.34, 0.5).gap - 0.16).abs() < 1e-9, "all of the set is sure: 0.05 m");
-    }
-
-    #[test]
-    fn what_stands_too_near_may_leave_but_not_approach() {
-        let futures = [Future::standing(disc(), 0.05)];
-        let demand = Demand { keep: 0.08, sure: 1.0 };
-        let from = Point::new(0.15, 0.0);
-        let gap = |x| demand.at(&futures, Point::new(x, 0.0), 0.5, Some(from)).gap;
-        assert!(gap(0.151) > 0.0 && gap(0.148) < 0.0);
-        assert!(demand.at(&futures, Point::new(0.151, 0.0), 0.5, None).gap < 0.0);
     }
 }

@@ -89,20 +89,12 @@ impl<'a> TimeGrid<'a> {
         blocked.map_or(f64::INFINITY, |layers| time.max(STEP * (first + layers) as f64 - STEP))
     }
 
-    /// From when on one may be at a place, at or after `time`; `None` if not within the time looked ahead.
-    pub fn free_from(&mut self, index: CellIndex, time: f64) -> Option<f64> {
-        let layers = self.layers(index);
-        let first = ((time / STEP).floor().max(0.0) as usize).min(layers.len() - 1);
-        let free = layers.iter().skip(first).position(|membership| *membership > 0.0)?;
-        Some(time.max(STEP * (first + free) as f64 - STEP / 2.0))
-    }
-
     fn layers(&mut self, index: CellIndex) -> &[f32] {
         let (futures, demand, place) = (self.futures, self.demand, self.places[index]);
         self.layers[index].get_or_insert_with(|| {
             let count = (HORIZON / STEP) as u32;
             let membership = |layer: u32| {
-                let band = demand.at(futures, place, STEP * f64::from(layer), None);
+                let band = demand.at(futures, place, STEP * f64::from(layer));
                 if band.gap < 0.0 { 0.0 } else { 1.0 - band.risk as f32 }
             };
             (0..=count).map(membership).collect()
@@ -130,7 +122,6 @@ mod tests {
         let at = |grid: &mut TimeGrid, time| grid.membership(index, time);
         assert_eq!([3.6, 5.0, 6.4].map(|time| at(&mut grid, time)), [1.0, 0.0, 1.0]);
         assert!((grid.free_until(index, 0.0) - 4.0).abs() < 1.5 * STEP);
-        assert!((grid.free_from(index, 4.6).unwrap() - 6.0).abs() < 1.5 * STEP);
         assert_eq!(grid.free_until(index, 6.4), f64::INFINITY);
     }
 }

@@ -131,6 +131,7 @@ mod tests {
     use crate::legs::{DEFAULT_LIMITS, LegOptions, planned_poses, to_legs};
     use proptest::prelude::*;
     use protocol::motion::Timing;
+    use std::f64::consts::FRAC_PI_2;
 
     const OPTIONS: LegOptions = LegOptions { timing: Timing::Limits, reverse: false };
 
@@ -141,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_quarter_turn_and_a_metre_by_hand() {
-        let motion = LegMotion::new(&leg(Point::new(0.0, 1.0), 0.0, 1.570796), &DEFAULT_LIMITS);
+        let motion = LegMotion::new(&leg(Point::new(0.0, 1.0), 0.0, FRAC_PI_2), &DEFAULT_LIMITS);
         // 173 ticks for the turn and 658 for the drive, as the profile's own tests have them.
         let [turned, driven, ended] = motion.times();
         assert!(

@@ -50,13 +50,12 @@ impl DynamicPlan {
 
     /// Whether no leg is ever nearer to a thing than asked, tried every `step` seconds.
     pub fn is_free(&self, quest: &Quest, demand: Demand, limits: &Limits, step: f64) -> bool {
-        self.legs.iter().enumerate().all(|(index, timed)| {
+        self.legs.iter().all(|timed| {
             let motion = LegMotion::new(&timed.leg, limits);
             let steps = (motion.times()[2] / step).ceil() as u32;
             (0..=steps).map(|at| (f64::from(at) * step).min(motion.times()[2])).all(|at| {
-                let leaving = (index == 0).then_some(quest.from.position);
                 let place = motion.position(at);
-                demand.at(quest.futures, place, timed.begins + at, leaving).gap >= 0.0
+                demand.at(quest.futures, place, timed.begins + at).gap >= 0.0
             })
         })
     }

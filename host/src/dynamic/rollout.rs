@@ -128,7 +128,7 @@ impl Rollout {
             travelled += at.distance(course.end);
             course.end = at;
             if pace.0 > 0.0 && pace.0 * speed >= RESTS {
-                let band = demand.at(futures, at, time, Some(here));
+                let band = demand.at(futures, at, time);
                 note(&mut course, band, (time, travelled));
             }
         }

@@ -10,7 +10,7 @@ use super::plan::{DynamicPlan, TimedLeg};
 use super::queue::{Entry, Next, Node};
 use super::times::Times;
 use super::{DynamicArena, Future, LegMotion, Quest, TimeGrid};
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::legs::{named, to_wire};
 use protocol::motion::{Direction, Leg, Position};
 use protocol::units::Radians;
@@ -24,8 +24,6 @@ const LONGEST_WAIT: f64 = 10.0;
 const TRIED: usize = 800;
 /// What a second at full risk costs, s.
 const RISK_WEIGHT: f64 = 1.0;
-/// A leg that costs so much by its risk is tried later, too, s.
-const WORSE: f64 = 0.02;
 const DIRECTIONS: [Direction; 2] = [Direction::Forward, Direction::Reverse];
 
 /// A search under way.
@@ -91,7 +89,8 @@ impl<'a, 'q> Search<'a, 'q> {
         let place = self.goal - 1;
         let first = Node { place, time: start, pose: from, cost: start, risk: 0.0, parent: None };
         let along = self.along_way(first);
-        self.bound = along.as_ref().map_or(f64::INFINITY, |(node, _)| node.cost);
+        let along = along.filter(|(node, _)| node.cost < self.quest.within);
+        self.bound = along.as_ref().map_or(self.quest.within, |(node, _)| node.cost);
         self.reach(first);
         let mut tried = 0;
         while let Some(entry) = self.queue.pop() {
@@ -114,6 +113,15 @@ impl<'a, 'q> Search<'a, 'q> {
                     self.try_leg(entry, (to, direction, wait));
                 }
             }
+        }
+        if std::env::var("TRACE").is_ok() {
+            eprintln!(
+                "    SEARCH tried {tried} nodes {} queue {} bound {:.2} usable {}",
+                self.nodes.len(),
+                self.queue.len(),
+                self.bound,
+                self.usable.len()
+            );
         }
         match along {
             Some((last, legs)) => self.named(last, legs, None),
@@ -138,9 +146,8 @@ impl<'a, 'q> Search<'a, 'q> {
             let quickest = legs_to.into_iter().min_by_key(|leg| leg.ticks(&self.arena.limits))?;
             let motion = LegMotion::new(&quickest, &self.arena.limits);
             let mut waits = (0..=(LONGEST_WAIT / DELAY) as u32).map(|step| DELAY * f64::from(step));
-            let is_first = legs.is_empty();
             let (wait, risk) = waits.find_map(|wait| {
-                let risk = self.risk_of(&motion, node.time + wait, is_first).ok()?;
+                let risk = self.risk_of(&motion, node.time + wait).ok()?;
                 Some((wait, risk))
             })?;
             let begins = node.time + wait;
@@ -231,7 +238,7 @@ impl<'a, 'q> Search<'a, 'q> {
         }
         let motion = LegMotion::new(&leg, &self.arena.limits);
         let begins = node.time + wait;
-        let again = match self.risk_of(&motion, begins, node.parent.is_none()) {
+        let again = match self.risk_of(&motion, begins) {
             Ok(risk) => {
                 let arrival = begins + motion.times()[2];
                 let dear = RISK_WEIGHT * risk;
@@ -247,14 +254,14 @@ impl<'a, 'q> Search<'a, 'q> {
                 };
                 let best = entry.best + dear;
                 self.queue.push(Entry { best, next: Next::Tried(reached), ..entry });
-                // Later there may be less risk.
-                (dear > WORSE).then_some(DELAY)
+                // Later there may be less risk; what costs no more than the wait is not worth it.
+                (dear > DELAY).then_some(DELAY)
             }
             Err((time, blocker)) => {
                 if to == self.goal {
                     self.blocker = Some(blocker);
                 }
-                self.later(&motion, (to, begins), time)
+                self.later(motion.position(time - begins), time)
             }
         };
         let Some(more) = again else { return };
@@ -268,15 +275,12 @@ impl<'a, 'q> Search<'a, 'q> {
         }
     }
 
-    /// How much later a leg may begin that met something at `time`.
-    fn later(&mut self, motion: &LegMotion, (to, begins): (usize, f64), time: f64) -> Option<f64> {
-        let arrival = begins + motion.times()[2];
-        if time < arrival - DELAY {
-            return Some(DELAY);
-        }
-        // What is in the way is in the place itself: not before that is free.
-        let free = self.grid.free_from(to, arrival)?;
-        Some((free - arrival).max(DELAY))
+    /// How much later a leg may begin that met something at a place and time: not before the place is free.
+    fn later(&self, place: Point, time: f64) -> Option<f64> {
+        let mut waits = (1..=(LONGEST_WAIT / DELAY) as u32).map(|step| DELAY * f64::from(step));
+        let is_free =
+            |wait: &f64| self.arena.demand.at(self.quest.futures, place, time + wait).gap >= 0.0;
+        waits.find(is_free)
     }
 
     fn leg(&self, from: Pose, to: usize, direction: Direction) -> Leg {
@@ -293,13 +297,8 @@ impl<'a, 'q> Search<'a, 'q> {
         }
     }
 
-    fn risk_of(
-        &self,
-        motion: &LegMotion,
-        begins: f64,
-        is_first: bool,
-    ) -> Result<f64, (f64, usize)> {
-        self.arena.risk_of(motion, (self.quest, self.fastest), begins, is_first)
+    fn risk_of(&self, motion: &LegMotion, begins: f64) -> Result<f64, (f64, usize)> {
+        self.arena.risk_of(motion, (self.quest, self.fastest), begins)
     }
 
     /// The way over the nodes to `last`.

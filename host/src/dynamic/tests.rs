@@ -33,8 +33,12 @@ fn goal(x: f64, y: f64) -> Goal {
     Goal { position: Point::new(x, y), heading: None }
 }
 
+fn quest(from: Pose, goal: Goal, futures: &[Future]) -> Quest<'_> {
+    Quest { from, start: 0.0, goal, within: f64::INFINITY, way: &[], futures }
+}
+
 fn plan(scene: &Scene, from: Pose, to: Goal, futures: &[Future]) -> DynamicPlan {
-    let quest = Quest { from, start: 0.0, goal: to, way: &[], futures };
+    let quest = quest(from, to, futures);
     DynamicArena::new(scene, DEFAULT_LIMITS, LEGS, DEMAND).plan(&quest)
 }
 
@@ -150,7 +154,7 @@ proptest! {
         let from = Pose::new(0.3, 0.3, heading);
         let futures: Vec<Future> =
             things.iter().map(|&(x, y, vx, vy)| steady(x, y, [vx, vy], 0.05)).collect();
-        let quest = Quest { from, start: 0.0, goal: goal(to.0, to.1), way: &[], futures: &futures };
+        let quest = quest(from, goal(to.0, to.1), &futures);
         let found = DynamicArena::new(&scene, DEFAULT_LIMITS, LEGS, DEMAND).plan(&quest);
         let demand = Demand { keep: KEEP - BETWEEN, ..DEMAND };
         prop_assert!(found.is_free(&quest, demand, &DEFAULT_LIMITS, 0.005), "{found:?}");

@@ -21,6 +21,8 @@ const SURE: f64 = 3.0;
 const STANDS: f64 = 0.04;
 /// In so many frames a thing that moves has moved visibly.
 const KNOWN: u32 = 5;
+/// What came so near to the robot's disc and stopped there may touch it, m: it is to go before the robot does.
+const TOUCHES: f64 = 0.02;
 /// Things differ if an edge lies so far off, m.
 const DIFFERS: f64 = 0.015;
 
@@ -29,14 +31,16 @@ const DIFFERS: f64 = 0.015;
 pub struct Hazard {
     /// What it is.
     pub obstacle: Obstacle,
-    /// Its velocity, m/s.
+    /// Its velocity, m/s; 0 while it stands.
     pub velocity: [f64; 2],
+    /// Whether it moves, has done so lately, or stopped at the robot: it may set out again at any moment.
+    pub may_move: bool,
     /// Whether it was seen often enough to tell whether it moves.
     pub is_known: bool,
 }
 
 impl Hazard {
-    /// Whether it moves.
+    /// Whether it moves now.
     pub fn moves(&self) -> bool {
         self.velocity != [0.0; 2]
     }
@@ -96,8 +100,13 @@ impl Floor {
             };
             if !is_robot(&obstacle) {
                 let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
-                let is_known = self.is_still || velocity != [0.0; 2] || track.frames() >= KNOWN;
-                self.things.push((track.id(), Hazard { obstacle, velocity, is_known }));
+                let touches = |at: Point| obstacle.footprint.distance(at) < radius + TOUCHES;
+                let came =
+                    last.is_some_and(|(_, last)| last.may_move) && robot.is_some_and(touches);
+                let moves = track.has_moved() || velocity != [0.0; 2];
+                let may_move = !self.is_still && (moves || came);
+                let is_known = self.is_still || may_move || track.frames() >= KNOWN;
+                self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
         }
     }
@@ -112,16 +121,16 @@ impl Floor {
         self.things.iter().map(|(_, hazard)| hazard.obstacle.clone()).collect()
     }
 
-    /// What stands: what a plan goes round.
+    /// What stands and will stand: what a plan goes round.
     pub fn standing(&self) -> Vec<Obstacle> {
-        let stands = self.things.iter().filter(|(_, hazard)| !hazard.moves());
+        let stands = self.things.iter().filter(|(_, hazard)| !hazard.may_move);
         stands.map(|(_, hazard)| hazard.obstacle.clone()).collect()
     }
 
-    /// What moves, with where each may be from `now` on; the hazards' indices beside them.
+    /// What may move, with where each may be from `now` on; the hazards' indices beside them.
     pub fn futures(&self, now: Duration) -> (Vec<usize>, Vec<Future>) {
         let lag = now.saturating_sub(self.tracker.time());
-        let moving = self.things.iter().enumerate().filter(|(_, (_, hazard))| hazard.moves());
+        let moving = self.things.iter().enumerate().filter(|(_, (_, hazard))| hazard.may_move);
         let found = moving.filter_map(|(index, (id, _))| {
             let track = self.tracker.tracks().iter().find(|track| track.id() == *id)?;
             Some((index, Future::of(track, lag)))
@@ -194,6 +203,32 @@ mod tests {
         assert_eq!(indices, [0]);
         assert!((futures[0].centre(0.0).x - 0.7).abs() < 0.01, "{:?}", futures[0].centre(0.0));
         assert!((futures[0].centre(0.8).x - 0.9).abs() < 0.02);
+    }
+
+    /// A box that came at 0.2 m/s and stopped 0.4 m from the robot, or at it.
+    fn stopped(gap: f64, frames: u64) -> (Hazard, bool) {
+        let (mut floor, robot) = (Floor::default(), Point::new(1.5, 0.5));
+        let end = robot.x - 0.075 - gap - 0.1;
+        for frame in 0..frames {
+            let x = (end - 0.02 * (10.0 - frame as f64)).min(end);
+            floor.update(at(frame), &[thing(x, 0.5)], (Some(robot), 0.075));
+        }
+        (floor.hazards().remove(0), floor.standing().is_empty())
+    }
+
+    #[test]
+    fn what_has_stopped_may_set_out_again() {
+        let (hazard, is_unsure) = stopped(0.4, 30);
+        assert!(!hazard.moves() && hazard.may_move && is_unsure, "{hazard:?}");
+        // After five seconds and what the velocity's estimate takes to settle it stands.
+        let (hazard, is_unsure) = stopped(0.4, 80);
+        assert!(!hazard.may_move && !is_unsure, "{hazard:?}");
+    }
+
+    #[test]
+    fn what_stopped_at_the_robot_is_to_go_first() {
+        assert!(stopped(0.0, 80).0.may_move);
+        assert!(!stopped(0.03, 80).0.may_move);
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub fn first_contact(
     hazards: &[Hazard],
     keep: f64,
 ) -> Option<Contact> {
-    let standing = hazards.iter().enumerate().filter(|(_, thing)| !thing.moves());
+    let standing = hazards.iter().enumerate().filter(|(_, thing)| !thing.may_move);
     let found = standing.filter_map(|(hazard, thing)| {
         let found = standing_contact(from, goals, &thing.obstacle.footprint, keep)?;
         Some(Contact { hazard, ..found })
@@ -79,7 +79,8 @@ mod tests {
 
     fn thing(rect: [f64; 4], velocity: [f64; 2]) -> Hazard {
         let [x0, y0, x1, y1] = rect;
-        Hazard { obstacle: Rect::new(x0, y0, x1, y1).into(), velocity, is_known: true }
+        let may_move = velocity != [0.0; 2];
+        Hazard { obstacle: Rect::new(x0, y0, x1, y1).into(), velocity, may_move, is_known: true }
     }
 
     #[test]

@@ -66,7 +66,12 @@ impl WatchedDrive {
             && self.touch_ups < MOST_TOUCH_UPS
             && let Ok(route) = self.route(pose, (0.0, false))
             && !route.legs.is_empty()
+            && now < since + self.options.patience
         {
+            // It rests, and may wait for what passes.
+            if !self.is_open(now, &route) {
+                return Ok(None);
+            }
             self.touch_ups += 1;
             self.events.push(WatchEvent::TouchUp { distance, turn });
             self.restart(client, pose, (route, false));

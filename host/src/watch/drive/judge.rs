@@ -239,29 +239,33 @@ impl WatchedDrive {
         if rests(client) {
             let was_blocked = matches!(hold.reason, Reason::Blocked { .. });
             let still_fits = was_blocked && is_free && beside < OFF_PATH;
-            self.plan_from_rest(client, moment, (hold, fits && is_free || still_fits));
+            let fits = fits && is_free || still_fits;
+            self.plan_from_rest(client, moment, (hold, fits.then_some(waited)));
         }
     }
 
     /// The robot rests and cannot go on as it is: another way from here, or a reason to wait. Its legs may still
-    /// fit what stands.
+    /// fit what stands, and for so long it has waited for what moves.
     fn plan_from_rest<P: TimedPort>(
         &mut self,
         client: &mut LinkClient<P>,
         moment: &Moment,
-        (hold, fits): (&Hold, bool),
+        (hold, fitting): (&Hold, Option<Duration>),
     ) {
         let slow = moment.is_slow();
         match self.route(moment.pose, (moment.extra(), slow)) {
             Err(error) => self.wait_for(hold, Reason::NoWay(error)),
-            Ok(route) => match self.begin(moment, route, fits) {
-                Ok(route) => self.restart(client, moment.pose, (route, slow)),
-                // The legs that it has are as good.
-                Err(reason) => {
-                    let hold = Hold { replans: hold.replans && !fits, ..hold.clone() };
-                    self.wait_for(&hold, reason.unwrap_or(hold.reason.clone()));
+            Ok(route) => {
+                match self.begin(moment, route, fitting.map(|waited| waited.as_secs_f64())) {
+                    Ok(route) => self.restart(client, moment.pose, (route, slow)),
+                    // The legs that it has are as good.
+                    Err(reason) => {
+                        let hold =
+                            Hold { replans: hold.replans && fitting.is_none(), ..hold.clone() };
+                        self.wait_for(&hold, reason.unwrap_or(hold.reason.clone()));
+                    }
                 }
-            },
+            }
         }
     }
 

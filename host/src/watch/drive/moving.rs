@@ -61,10 +61,10 @@ impl WatchedDrive {
         Outlook { hazards, futures, rollout, place }
     }
 
-    /// What is asked of legs that keep `margin`.
-    fn demand(&self, moment: &Moment, margin: f64) -> Demand {
+    /// What is asked of legs that keep `margin`, and `extra`, m.
+    fn demand(&self, extra: f64, margin: f64) -> Demand {
         let radius = self.options.router.scene.robot_radius;
-        Demand { keep: radius + margin.max(0.0) + moment.extra(), sure: SURE }
+        Demand { keep: radius + margin.max(0.0) + extra, sure: SURE }
     }
 
     /// Judges what moves while the robot drives; true if something was done. Other legs may take the place of
@@ -80,7 +80,7 @@ impl WatchedDrive {
             }
             return true;
         }
-        let demand = self.demand(moment, self.course.margin - FLICKER);
+        let demand = self.demand(moment.extra(), self.course.margin - FLICKER);
         let on = moment.outlook.course(1.0, [f64::INFINITY; 2], demand);
         let Some(contact) = on.contact.filter(|contact| contact.time < DECIDED) else {
             return false;
@@ -94,9 +94,8 @@ impl WatchedDrive {
         }
         let braked = moment.outlook.course(1.0, [REACTION, f64::INFINITY], demand);
         let from = Pose { position: braked.end, ..moment.pose };
-        let quicker = self.dynamic_plan(moment, from, braked.rests + RESTART);
-        let is_quicker = |(plan, _): &(DynamicPlan, f64)| cost(plan) + QUICKER < waiting;
-        if quicker.as_ref().is_some_and(is_quicker)
+        let start = braked.rests + RESTART;
+        if self.dynamic_plan(moment, (from, start), waiting - QUICKER).is_some()
             && let Some(reason) = blocked(moment, hazards, contact)
         {
             self.hold(moment, reason, true);
@@ -108,8 +107,10 @@ impl WatchedDrive {
     /// What the robot would come too near to if it braked only after the next judgement, and is better braked for
     /// now.
     fn must_brake(&self, moment: &Moment) -> Option<Contact> {
-        let demand =
-            Demand { sure: f64::INFINITY, ..self.demand(moment, self.course.margin - FLICKER) };
+        let demand = Demand {
+            sure: f64::INFINITY,
+            ..self.demand(moment.extra(), self.course.margin - FLICKER)
+        };
         let outlook = &moment.outlook;
         let contact = outlook.course(1.0, [NEXT, f64::INFINITY], demand).contact?;
         let now = outlook.course(1.0, [REACTION, f64::INFINITY], demand);
@@ -119,50 +120,63 @@ impl WatchedDrive {
 
     /// Whether a robot that is held may go on along its legs.
     pub(super) fn may_go(&self, moment: &Moment) -> bool {
-        let demand = self.demand(moment, self.course.margin - FLICKER);
+        let demand = self.demand(moment.extra(), self.course.margin - FLICKER);
         let on = moment.outlook.course(0.0, [f64::INFINITY; 2], demand);
         on.contact.is_none_or(|contact| contact.time > LEFT_OPEN)
     }
 
     /// The legs to begin with at rest, where `route` is the way among what stands; else why the robot rather
-    /// waits, if that is new. It may also go on along the legs that it has if they still `fit`.
+    /// waits, if that is new. It may also go on along the legs that it has if they still fit: `waited` tells how
+    /// long it has waited for that, s. The longer, the less is believed of how soon they will be free.
     pub(super) fn begin(
         &self,
         moment: &Moment,
         route: Route,
-        fits: bool,
+        waited: Option<f64>,
     ) -> Result<Route, Option<Reason>> {
         let outlook = &moment.outlook;
         if outlook.futures.is_empty() || moment.is_slow() {
             return Ok(route);
         }
-        let demand = self.demand(moment, route.margin);
-        let plan = self.search(moment, (moment.pose, RESTART), &route, demand);
-        let demand = self.demand(moment, self.course.margin - FLICKER);
-        let waiting = if fits { outlook.quickest_hold(0.0, demand) } else { f64::INFINITY };
-        let quicker = cost(&plan) + if fits { QUICKER_AT_REST } else { 0.0 } < waiting;
+        let demand = self.demand(moment.extra(), route.margin);
+        let kept = self.demand(moment.extra(), self.course.margin - FLICKER);
+        let within = waited.map_or(f64::INFINITY, |waited| {
+            outlook.quickest_hold(0.0, kept) + waited - QUICKER_AT_REST
+        });
+        let plan = self.search(moment, (moment.pose, RESTART), &route, (demand, within));
+        let quicker = cost(&plan) < within;
         let other = if plan.waits_for.is_none() {
             Route { legs: plan.legs(), length: plan.length(), margin: route.margin }
         } else {
             route.clone()
         };
         // Where it will have to wait later is seen then.
-        let is_open = self.met(moment, &other).is_none_or(|contact| contact.time > LEFT_OPEN);
+        let is_open = self
+            .met(&outlook.futures, &other, moment.extra())
+            .is_none_or(|contact| contact.time > LEFT_OPEN);
         if quicker && (is_open || plan.waits_for.is_none() && plan.first_wait() < AT_ONCE) {
             return Ok(other);
         }
-        let thing = plan.waits_for.flatten().or(self.met(moment, &route).map(|c| c.future));
+        let thing = plan
+            .waits_for
+            .flatten()
+            .or(self.met(&outlook.futures, &route, moment.extra()).map(|c| c.future));
         let ahead =
             |index: usize| outlook.futures[index].footprint().distance(moment.pose.position);
         Err(thing.and_then(|index| moment.blocked(outlook.hazards[index], ahead(index))))
     }
 
-    /// What a route would meet that began now.
-    fn met(&self, moment: &Moment, route: &Route) -> Option<Contact> {
+    /// Whether legs from rest meet nothing that moves if they begin now.
+    pub(super) fn is_open(&self, now: Duration, route: &Route) -> bool {
+        let (_, futures) = self.floor.futures(now);
+        self.met(&futures, route, 0.0).is_none()
+    }
+
+    /// What a route would meet that began now, and keeps so much more than its margin, m.
+    fn met(&self, futures: &[Future], route: &Route, extra: f64) -> Option<Contact> {
         let rollout = Rollout::new(&route.legs, &self.limits);
         let start = (Place { leg: 0, time: 0.0 }, Pace(0.0));
-        let demand = self.demand(moment, route.margin);
-        let futures = &moment.outlook.futures;
+        let demand = self.demand(extra, route.margin);
         rollout.course(start, [f64::INFINITY; 2], futures, demand).contact
     }
 
@@ -175,16 +189,26 @@ impl WatchedDrive {
         if leg.contact.is_some() {
             return None;
         }
-        let (plan, margin) = self.dynamic_plan(moment, end_of(first, &self.limits), leg.rests)?;
-        let is_quicker = plan.first_wait() < AT_ONCE && cost(&plan) + QUICKER < waiting;
-        is_quicker.then(|| Route { legs: plan.legs(), length: plan.length(), margin })
+        let from = (end_of(first, &self.limits), leg.rests);
+        let (plan, margin) = self.dynamic_plan(moment, from, waiting - QUICKER)?;
+        (plan.first_wait() < AT_ONCE).then(|| Route {
+            legs: plan.legs(),
+            length: plan.length(),
+            margin,
+        })
     }
 
-    /// The way over time to the goal from a place where the robot rests at a time, and its margin.
-    fn dynamic_plan(&self, moment: &Moment, from: Pose, start: f64) -> Option<(DynamicPlan, f64)> {
+    /// The way over time to the goal from a place where the robot rests at a time, and its margin; none that costs
+    /// more than `within`.
+    fn dynamic_plan(
+        &self,
+        moment: &Moment,
+        (from, start): (Pose, f64),
+        within: f64,
+    ) -> Option<(DynamicPlan, f64)> {
         let route = self.route(from, (moment.extra(), false)).ok()?;
-        let demand = self.demand(moment, route.margin);
-        let plan = self.search(moment, (from, start), &route, demand);
+        let demand = self.demand(moment.extra(), route.margin);
+        let plan = self.search(moment, (from, start), &route, (demand, within));
         plan.waits_for.is_none().then_some((plan, route.margin))
     }
 
@@ -193,14 +217,14 @@ impl WatchedDrive {
         moment: &Moment,
         (from, start): (Pose, f64),
         route: &Route,
-        demand: Demand,
+        (demand, within): (Demand, f64),
     ) -> DynamicPlan {
         let router = &self.options.router;
         let scene = Scene { obstacles: self.floor.standing(), ..router.scene.clone() };
         let mut way = goals(&route.legs);
         way.pop();
         let futures = &moment.outlook.futures;
-        let quest = Quest { from, start, goal: router.goal, way: &way, futures };
+        let quest = Quest { from, start, goal: router.goal, within, way: &way, futures };
         DynamicArena::new(&scene, self.limits, router.legs, demand).plan(&quest)
     }
 }
