@@ -221,8 +221,8 @@ pub(super) fn detect_whole(
     let steps =
         options.keep_steps.then(|| steps(picture.photo(), &map, arena, options.robot_radius));
     let viewpoint = picture.viewpoint();
-    let mut found = picture.obstacles(look, seen, viewpoint, &left_out);
     let knows_height = options.camera.as_ref().is_some_and(Camera::knows_height);
+    let mut found = picture.obstacles(look, seen, (viewpoint, knows_height), &left_out);
     // Boxes that stand upright in the picture tell that the camera is far away.
     let from = viewpoint.filter(|_| knows_height || found.leans.unwrap_or(true));
     let robot = seen.map(|seen| picture.stands(seen, from, knows_height));
@@ -312,12 +312,14 @@ impl Picture<'_> {
         &self,
         look: Look,
         robot: Option<SeenRobot>,
-        viewpoint: Option<Viewpoint>,
+        (viewpoint, knows_height): (Option<Viewpoint>, bool),
         left_out: &[Shape],
     ) -> Found {
         let (photo, map) = (self.photo(), self.map);
-        let top =
-            robot.map(|seen| seen.top(self.options.robot_body(), self.options.robot_tag_mount));
+        let top = robot.map(|seen| {
+            let top = seen.top(self.options.robot_body(), self.options.robot_tag_mount);
+            top.above(self.stands(seen, viewpoint, knows_height).position)
+        });
         match self.options.method {
             Method::Paper => Found::plain(paper_rectangles(photo, map, self.arena, top, left_out)),
             Method::Robust => boxes::find(photo, map, look, top, viewpoint),

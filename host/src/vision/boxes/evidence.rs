@@ -6,6 +6,7 @@
 
 use super::border_colours::BorderColours;
 use super::projection::LeaningBox;
+use super::shade::{ROBOT_RIM, half_shadow, lonely_shadow, soft_shadow, widened};
 use crate::geometry::{Point, Rect};
 use crate::vision::appearance::{
     Difference, FOREIGN, Feature, FloorModel, Look, SURE, feature, samples,
@@ -19,15 +20,7 @@ use crate::vision::robot::RobotTop;
 const COARSE_SCALE: f64 = 110.0;
 const COARSE_CELLS: f64 = 300.0;
 /// Blur beside lit floor is at most this deep, a natural logarithm.
-const DEEPEST: f32 = -1.5;
-/// Half shadow lies this close to lit floor and to full shadow, metres.
-pub(super) const HALF_SHADOW: f64 = 0.03;
-/// The steepest rim of a shadow that is wider: shares of its depth per metre.
-const SOFTNESS: f32 = 13.0;
-/// The step from pixel to pixel of the faintest box's edge if the picture is blurred.
-const LEAST_BLURRED: f32 = 0.025;
-/// Cells within which a shadow touches what casts it.
-const TOUCH: i64 = 2;
+pub(super) const DEEPEST: f32 = -1.5;
 /// Cells this close to the border are blurred with it.
 const BORDER_BLUR: f64 = 1.2;
 /// Cells beyond the border say less, because what lies there is not known.
@@ -35,8 +28,6 @@ const OUTSIDE_WEIGHT: f32 = 0.4;
 /// The shadows of the border and of the robot reach this far: metres, and radii of the robot.
 pub(super) const BORDER_SHADOW: f64 = 0.08;
 pub(super) const ROBOT_SHADOW: f64 = 2.5;
-/// How much larger than the robot's top the disc is in which nothing counts.
-const ROBOT_RIM: f64 = 1.2;
 
 /// The coarse plan view.
 pub(crate) struct Evidence {
@@ -199,7 +190,7 @@ fn cells(
     let features = plan_view(photo, map, frame).map(feature);
     let weight = Raster::from_fn(features.width(), features.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
-        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+        let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM);
         let seen = photo.holds(map.to_photo(point)) && !look.is_left_out(point, scale);
         match arena.beyond(point) {
             _ if of_robot || !seen => 0.0,
@@ -232,8 +223,7 @@ fn background(
         let distance = match frame.arena.beyond(point) {
             None => {
                 let difference = judged.cells()[index];
-                let of_robot =
-                    robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+                let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW);
                 let blurred = !(shadows.is_some() && floor.shadow.is_some()) && rim.cells()[index];
                 let distance = if lonely.cells()[index] {
                     difference.lit
@@ -271,93 +261,12 @@ fn judge(
     })
 }
 
-/// The cells that may be half in shadow: lit floor and full shadow are both near.
-fn half_shadow(frame: &PlanFrame, judged: &Raster<Difference>) -> Raster<bool> {
-    let reach = (HALF_SHADOW * frame.scale).ceil().max(2.0) as i64;
-    let lit = widened(&judged.map(|difference| difference.lit < SURE), reach);
-    let core = widened(&judged.map(|difference| difference.core < SURE), reach);
-    let width = judged.width();
-    Raster::from_fn(width, judged.height(), |column, row| {
-        lit.cells()[row * width + column] && core.cells()[row * width + column]
-    })
-}
-
-/// The cells that are reached from lit floor by way of cells that darken slowly: the rim of a large lamp's
-/// shadow may be wider than [`HALF_SHADOW`], but the edges of a box are sharp; `finest` are the photo's
-/// pixels per metre.
-fn soft_shadow(
-    frame: &PlanFrame,
-    features: &Raster<Feature>,
-    judged: &Raster<Difference>,
-    floor: &FloorModel,
-    finest: f64,
-) -> Raster<bool> {
-    let lit = judged.map(|difference| difference.lit < SURE);
-    let Some(shadow) = floor.shadow else { return lit };
-    let sharpest = LEAST_BLURRED * finest as f32;
-    let steepest = (SOFTNESS * -shadow.offset[0]).min(sharpest) / frame.scale as f32;
-    let width = judged.width();
-    lit.grown(|cell, next| {
-        let point = frame.point((next % width) as f64, (next / width) as f64);
-        let step = (features.cells()[cell][0] - features.cells()[next][0]).abs();
-        judged.cells()[next].floor < SURE && step < steepest && frame.arena.beyond(point).is_none()
-    })
-}
-
-/// The cells within `reach` columns and rows of a marked one.
-pub(crate) fn widened(mask: &Raster<bool>, reach: i64) -> Raster<bool> {
-    let along = |mask: &Raster<bool>, (i, j): (i64, i64)| {
-        Raster::from_fn(mask.width(), mask.height(), |column, row| {
-            (-reach..=reach)
-                .any(|k| mask.get(column as i64 + k * i, row as i64 + k * j) == Some(true))
-        })
-    };
-    along(&along(mask, (1, 0)), (0, 1))
-}
-
-/// Cells as dark as shadow in patches that touch nothing that could cast one: no box, border or robot.
-fn lonely_shadow(
-    frame: &PlanFrame,
-    judged: &Raster<Difference>,
-    robot: Option<RobotTop>,
-) -> Raster<bool> {
-    let (width, height) = (judged.width(), judged.height());
-    let judged = |column: usize, row: usize| {
-        (frame.point(column as f64, row as f64), judged.cells()[row * width + column])
-    };
-    let dark = Raster::from_fn(width, height, |column, row| {
-        let (point, difference) = judged(column, row);
-        frame.arena.beyond(point).is_none()
-            && difference.lit > FOREIGN
-            && difference.floor <= FOREIGN
-    });
-    let (patches, count) = dark.regions(true);
-    let mut cast = vec![false; count + 1];
-    for row in 0..height {
-        for column in 0..width {
-            let (point, difference) = judged(column, row);
-            let of_robot =
-                robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
-            if difference.floor <= FOREIGN && frame.arena.beyond(point).is_none() && !of_robot {
-                continue;
-            }
-            for (i, j) in (-TOUCH..=TOUCH).flat_map(|j| (-TOUCH..=TOUCH).map(move |i| (i, j))) {
-                if let Some(patch) = patches.get(column as i64 + i, row as i64 + j) {
-                    cast[patch as usize] = true;
-                }
-            }
-        }
-    }
-    patches.map(|patch| patch > 0 && !cast[patch as usize])
-}
-
 /// How surely cells are floor in shadow or lit floor; the shadow of border and robot says nothing.
 fn shade(frame: &PlanFrame, judged: &Raster<Difference>, robot: Option<RobotTop>) -> Raster<f32> {
     let width = judged.width();
     Raster::from_fn(width, judged.height(), |column, row| {
         let point = frame.point(column as f64, row as f64);
-        let of_robot =
-            robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius);
+        let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW);
         if of_robot || frame.arena.depth(point) < BORDER_SHADOW {
             return 0.0;
         }

@@ -11,7 +11,7 @@
 //! ```
 //! Brightness is a natural logarithm; metres in the arena frame, paths in cells of the plan view.
 
-use super::evidence::widened;
+use super::shade::widened;
 use crate::vision::appearance::{FOREIGN, Look, median};
 use crate::vision::image::{CellRect, Raster, around, regions};
 

@@ -5,10 +5,12 @@
 //! e^d times that of the floor at d' = ln((1 + e^d) / 2), nearer to the floor if the thing is dark.
 //! Distances in standard deviations of the floor's colour; metres in the arena frame.
 
-use super::evidence::{BORDER_SHADOW, HALF_SHADOW, ROBOT_SHADOW, widened};
+use super::evidence::{BORDER_SHADOW, DEEPEST, ROBOT_SHADOW};
 use super::floor_lines::{FloorLines, thick};
 use super::implausible::joins_opposite_sides;
 use super::projection::LeaningBox;
+use super::robot_shadow::is_robot_shadow;
+use super::shade::{HALF_SHADOW, widened};
 use super::uncovered::Explained;
 use crate::geometry::Point;
 use crate::vision::appearance::{FOREIGN, Look};
@@ -192,7 +194,7 @@ impl Explained<'_> {
             }
             difference.lit
         });
-        self.without_shadow(judged, &floors, &shaded)
+        self.without_robot_shadow(self.without_shadow(judged, &floors, &shaded))
     }
 
     /// Distances with 0 for the cells of shadow: of those that are as dark as shadow the patches most of
@@ -238,20 +240,42 @@ impl Explained<'_> {
         distances
     }
 
+    /// Distances with 0 for a patch that has the form of the robot's shadow, whatever shadow is known.
+    fn without_robot_shadow(&self, mut distances: Raster<f32>) -> Raster<f32> {
+        let Some(robot) = self.robot else { return distances };
+        let (floor, width) = (&self.look.floor, distances.width());
+        let point =
+            |cell: usize| self.look.view.point((cell % width) as f64, (cell / width) as f64);
+        let is_dim = |(cell, &distance): (usize, &f32)| {
+            let residual = || floor.residual(point(cell), self.look.features.cells()[cell]);
+            distance > FOREIGN
+                && self.is_near_robot(point(cell))
+                && floor.off_any_shadow(residual(), DEEPEST) <= FOREIGN
+        };
+        let dim: Vec<bool> = distances.cells().iter().enumerate().map(is_dim).collect();
+        for patch in regions(&Raster::from_cells(width, dim)) {
+            let points: Vec<Point> = patch.iter().map(|&cell| point(cell)).collect();
+            if is_robot_shadow(&points, 1.0 / self.look.view.scale, robot, ROBOT_RIM) {
+                patch.iter().for_each(|&cell| distances.cells_mut()[cell] = 0.0);
+            }
+        }
+        distances
+    }
+
     fn is_of_robot(&self, point: Point) -> bool {
-        self.robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius)
+        self.robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM)
     }
 
     /// Whether a place is beside the robot's disc, where its shadow begins.
     fn is_at_robot(&self, point: Point) -> bool {
         let blur = ROBOT_BLUR / self.look.view.scale;
-        let near = |top: RobotTop| top.centre.distance(point) < ROBOT_RIM * top.radius + blur;
+        let near = |top: RobotTop| top.radii_from(point) < ROBOT_RIM + blur / top.radius;
         self.robot.is_some_and(near)
     }
 
     /// Whether the robot's shadow may lie there.
     fn is_near_robot(&self, point: Point) -> bool {
-        self.robot.is_some_and(|top| top.centre.distance(point) < ROBOT_SHADOW * top.radius)
+        self.robot.is_some_and(|top| top.radii_from(point) < ROBOT_SHADOW)
     }
 
     /// Whether the shadow that a known light makes of a box or of the border may lie there.

@@ -57,7 +57,7 @@ pub(crate) fn lined_sides(rects: &[Rect], arena: Arena) -> usize {
 /// Whether a rectangle has its middle where the robot stands: no box can stand there too.
 pub(crate) fn is_part_of_robot(rect: Rect, robot: Option<RobotTop>) -> bool {
     let middle = Point::new((rect.x0 + rect.x1) / 2.0, (rect.y0 + rect.y1) / 2.0);
-    robot.is_some_and(|top| top.centre.distance(middle) < ROBOT_REACH * top.radius)
+    robot.is_some_and(|top| top.radii_from(middle) < ROBOT_REACH)
 }
 
 /// Whether no edge of an outline can be seen: then it is floor on which the light falls off.
@@ -185,8 +185,13 @@ mod tests {
 
     #[test]
     fn a_box_does_not_stand_where_the_robot_does() {
-        let top =
-            RobotTop { centre: Point::new(0.5, 0.5), radius: 0.075, heading: 0.0, certainty: 1.0 };
+        let top = RobotTop {
+            centre: Point::new(0.5, 0.5),
+            radius: 0.075,
+            heading: 0.0,
+            certainty: 1.0,
+            base: Point::new(0.5, 0.5),
+        };
         assert!(is_part_of_robot(Rect::new(0.42, 0.45, 0.50, 0.55), Some(top)));
         assert!(!is_part_of_robot(Rect::new(0.58, 0.45, 0.68, 0.55), Some(top)));
         assert!(!is_part_of_robot(Rect::new(0.42, 0.45, 0.50, 0.55), None));

@@ -83,7 +83,7 @@ fn without(
             && point.y > blur
             && point.x < frame.arena.width - blur
             && point.y < frame.arena.height - blur;
-        let of_robot = robot.is_some_and(|top| top.centre.distance(point) < ROBOT_RIM * top.radius);
+        let of_robot = robot.is_some_and(|top| top.radii_from(point) < ROBOT_RIM);
         let is_marked = mask.get(column as i64, row as i64) == Some(true);
         let is_left_out = || left_out.iter().any(|place| place.distance(point) < blur);
         inside && !of_robot && is_marked && !is_left_out()

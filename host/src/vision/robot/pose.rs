@@ -34,6 +34,23 @@ pub(crate) struct RobotTop {
     pub(crate) heading: f64,
     /// How surely this is a robot, 0 to 1.
     pub(crate) certainty: f64,
+    /// The floor point under it as far as is known, else its centre.
+    pub(crate) base: Point,
+}
+
+impl RobotTop {
+    /// The same over a place of the floor.
+    pub(crate) fn above(self, base: Point) -> Self {
+        Self { base, ..self }
+    }
+
+    /// How far a point is from the line between base and top, radii of the top: the robot hides what is nearer than 1.
+    pub(crate) fn radii_from(&self, point: Point) -> f64 {
+        let (x, y) = (self.centre.x - self.base.x, self.centre.y - self.base.y);
+        let along = (point.x - self.base.x) * x + (point.y - self.base.y) * y;
+        let share = (along / (x * x + y * y).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        Point::new(self.base.x + share * x, self.base.y + share * y).distance(point) / self.radius
+    }
 }
 
 /// Finds the robot whose top appears in such a size; `None` if there is none.
@@ -49,7 +66,7 @@ pub(crate) fn find(photo: &Photo, map: &PlanMap, look: &Look, size: Size) -> Opt
         let (centre, heading, explained) = triangle::read(photo, map, look, (centre, radius));
         let certainty = explained * f64::from(directions) / f64::from(DIRECTIONS);
         if explained > LEAST_EXPLAINED && best.is_none_or(|best| certainty > best.certainty) {
-            best = Some(RobotTop { centre, radius, heading, certainty });
+            best = Some(RobotTop { centre, radius, heading, certainty, base: centre });
         }
     }
     best
@@ -190,7 +207,8 @@ mod tests {
         let photo = Photo::from_rgb(450, 360, pixels.collect()).unwrap();
         let corners = [[0.0, 360.0], [450.0, 360.0], [450.0, 0.0], [0.0, 0.0]];
         let map = PlanMap::from_corners(&photo, ARENA, corners, 0.0).unwrap();
-        let top = RobotTop { centre: top, radius: LEAN * 0.075, heading: 0.0, certainty: 1.0 };
+        let top =
+            RobotTop { centre: top, radius: LEAN * 0.075, heading: 0.0, certainty: 1.0, base: top };
         let lean = shown_lean(&photo, &map, top, foot, 0.075).unwrap();
         // A pixel is 3 mm on 1.1 m.
         assert!((lean - LEAN).abs() < 0.003, "{lean}");

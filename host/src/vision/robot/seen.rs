@@ -25,6 +25,7 @@ impl SeenRobot {
             radius: body.radius,
             heading: pose.heading,
             certainty: 1.0,
+            base: pose.position,
         };
         match self {
             Self::Tag(seen) => known(body.under_tag(seen, mount, None)),

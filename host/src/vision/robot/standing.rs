@@ -103,8 +103,13 @@ mod tests {
         let corners = [[0.0, 63.0], [63.0, 63.0], [63.0, 0.0], [0.0, 0.0]];
         let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
         let view = Viewpoint { foot: Point::new(1.0, 0.0), height: 2.5, spread: 0.0 };
-        let top =
-            RobotTop { centre: Point::new(2.0, 1.0), radius: 0.09, heading: 0.3, certainty: 1.0 };
+        let top = RobotTop {
+            centre: Point::new(2.0, 1.0),
+            radius: 0.09,
+            heading: 0.3,
+            certainty: 1.0,
+            base: Point::new(2.0, 1.0),
+        };
         let pose = BODY.under(&photo, &map, top, (Some(view), true));
         assert!(pose.position.distance(Point::new(1.8, 0.8)) < 1e-12, "{pose:?}");
     }

@@ -84,13 +84,13 @@ impl Reading {
         let photo = even.as_ref().unwrap_or(taken);
         let robot = self.robot((photo, taken), expected, options)?;
         let windows = self.windows(&changed, &robot)?;
-        self.things = self.read(photo, &windows, &robot)?;
+        let stands = self.stands(photo, &robot, options);
+        self.things = self.read(photo, &windows, (&robot, stands))?;
         self.count += 1;
         let is_taken = self.blocks_in(&windows, changed.width());
         self.blocks.take(&blocks, gain, &is_taken);
         let obstacles = self.things.iter().map(|thing| thing.obstacle.clone()).collect();
-        let robot = Some(self.stands(photo, &robot, options));
-        Some(Detection { obstacles, robot, ..self.detection.clone() })
+        Some(Detection { obstacles, robot: Some(stands), ..self.detection.clone() })
     }
 
     /// The robot near where it is expected, or there if it has no mark; `None` if it must be looked for elsewhere.
@@ -132,7 +132,12 @@ impl Reading {
     }
 
     /// The things in some windows, and those elsewhere as they were; `None` if they are not settled.
-    fn read(&self, photo: &Photo, windows: &[Rect], robot: &NearbyRobot) -> Option<Vec<Thing>> {
+    fn read(
+        &self,
+        photo: &Photo,
+        windows: &[Rect],
+        (robot, stands): (&NearbyRobot, Pose),
+    ) -> Option<Vec<Thing>> {
         let is_in = |thing: &&Thing, window: &Rect| window.overlaps(thing.trace.extent);
         let is_read = |thing: &&Thing| windows.iter().any(|window| is_in(thing, window));
         let mut all: Vec<Thing> =
@@ -144,7 +149,7 @@ impl Reading {
             let before: Vec<LeaningBox> =
                 inside().filter_map(|thing| thing.trace.searched).collect();
             let picture = (photo, &self.detection.map);
-            let view = (Some(robot.top), self.whole.viewpoint);
+            let view = (Some(robot.top.above(stands.position)), self.whole.viewpoint);
             let found = find_within(picture, &self.known, (*window, &left_out), view, &before);
             let seen = things(found);
             let is_whole = |thing: &Thing| !is_cut(thing.trace.extent, *window, self.arena);

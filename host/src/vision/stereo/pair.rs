@@ -62,7 +62,7 @@ impl Pair {
             sights
                 .iter()
                 .filter_map(|sight| sight.robot)
-                .any(|top| top.centre.distance(point) < ROBOT_RIM * top.radius)
+                .any(|top| top.radii_from(point) < ROBOT_RIM)
         };
         let evidence = sights
             .each_ref()
