@@ -33,7 +33,7 @@ pub struct Future {
 }
 
 impl Future {
-    /// The thing `footprint` that is moved by these shifts, one every [`LAYER`] seconds from now on, and at
+    /// The thing `footprint` that is moved by these shifts, one every `LAYER` seconds from now on, and at
     /// each moment may be as far off as the number beside it.
     pub fn new(footprint: Shape, moves: impl IntoIterator<Item = ([f64; 2], f64)>) -> Self {
         let samples: Vec<Sample> =
@@ -53,6 +53,11 @@ impl Future {
     /// A thing that stands, and may be `reach` further out.
     pub fn standing(footprint: Shape, reach: f64) -> Self {
         Self::new(footprint, [([0.0; 2], reach)])
+    }
+
+    /// The same thing if it stops now.
+    pub fn stopped(&self) -> Self {
+        Self::standing(self.footprint.clone(), self.reach(0.0))
     }
 
     /// A thing by its track, which was last seen `lag` ago.
@@ -136,6 +141,8 @@ mod tests {
         let distance = future.distance(Point::new(0.5, 0.0), 0.15, 1.0);
         assert!((distance - 0.43).abs() < 1e-12, "{distance}");
         assert!((future.speed() - 0.3).abs() < 1e-9, "0.2 m/s, and its edge grows by 0.1 m/s");
+        let stopped = future.stopped();
+        assert_eq!((stopped.centre(1.0), stopped.reach(1.0)), (Point::new(1.0, 0.0), 0.0));
     }
 
     #[test]

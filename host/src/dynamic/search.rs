@@ -114,15 +114,6 @@ impl<'a, 'q> Search<'a, 'q> {
                 }
             }
         }
-        if std::env::var("TRACE").is_ok() {
-            eprintln!(
-                "    SEARCH tried {tried} nodes {} queue {} bound {:.2} usable {}",
-                self.nodes.len(),
-                self.queue.len(),
-                self.bound,
-                self.usable.len()
-            );
-        }
         match along {
             Some((last, legs)) => self.named(last, legs, None),
             None => self.waiting_place(),

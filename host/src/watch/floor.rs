@@ -21,8 +21,6 @@ const SURE: f64 = 3.0;
 const STANDS: f64 = 0.04;
 /// In so many frames a thing that moves has moved visibly.
 const KNOWN: u32 = 5;
-/// What came so near to the robot's disc and stopped there may touch it, m: it is to go before the robot does.
-const TOUCHES: f64 = 0.02;
 /// Things differ if an edge lies so far off, m.
 const DIFFERS: f64 = 0.015;
 
@@ -33,7 +31,7 @@ pub struct Hazard {
     pub obstacle: Obstacle,
     /// Its velocity, m/s; 0 while it stands.
     pub velocity: [f64; 2],
-    /// Whether it moves, has done so lately, or stopped at the robot: it may set out again at any moment.
+    /// Whether it was ever seen to move: what has stopped may set out again at any moment.
     pub may_move: bool,
     /// Whether it was seen often enough to tell whether it moves.
     pub is_known: bool,
@@ -100,11 +98,8 @@ impl Floor {
             };
             if !is_robot(&obstacle) {
                 let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
-                let touches = |at: Point| obstacle.footprint.distance(at) < radius + TOUCHES;
-                let came =
-                    last.is_some_and(|(_, last)| last.may_move) && robot.is_some_and(touches);
-                let moves = track.has_moved() || velocity != [0.0; 2];
-                let may_move = !self.is_still && (moves || came);
+                let has_moved = track.has_moved() || last.is_some_and(|(_, last)| last.may_move);
+                let may_move = !self.is_still && (has_moved || velocity != [0.0; 2]);
                 let is_known = self.is_still || may_move || track.frames() >= KNOWN;
                 self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
@@ -205,30 +200,23 @@ mod tests {
         assert!((futures[0].centre(0.8).x - 0.9).abs() < 0.02);
     }
 
-    /// A box that came at 0.2 m/s and stopped 0.4 m from the robot, or at it.
-    fn stopped(gap: f64, frames: u64) -> (Hazard, bool) {
-        let (mut floor, robot) = (Floor::default(), Point::new(1.5, 0.5));
-        let end = robot.x - 0.075 - gap - 0.1;
-        for frame in 0..frames {
-            let x = (end - 0.02 * (10.0 - frame as f64)).min(end);
-            floor.update(at(frame), &[thing(x, 0.5)], (Some(robot), 0.075));
-        }
-        (floor.hazards().remove(0), floor.standing().is_empty())
-    }
-
     #[test]
     fn what_has_stopped_may_set_out_again() {
-        let (hazard, is_unsure) = stopped(0.4, 30);
-        assert!(!hazard.moves() && hazard.may_move && is_unsure, "{hazard:?}");
-        // After five seconds and what the velocity's estimate takes to settle it stands.
-        let (hazard, is_unsure) = stopped(0.4, 80);
-        assert!(!hazard.may_move && !is_unsure, "{hazard:?}");
-    }
-
-    #[test]
-    fn what_stopped_at_the_robot_is_to_go_first() {
-        assert!(stopped(0.0, 80).0.may_move);
-        assert!(!stopped(0.03, 80).0.may_move);
+        let mut floor = Floor::default();
+        // It comes at 0.2 m/s and stops after a second.
+        let mut reaches = Vec::new();
+        for frame in 0..120u64 {
+            let boxes = [thing(0.5 + 0.02 * frame.min(10) as f64, 0.5), thing(1.5, 0.5)];
+            floor.update(at(frame), &boxes, (None, 0.075));
+            let (_, futures) = floor.futures(at(frame));
+            reaches.extend(futures.first().map(|future| future.reach(1.0)));
+        }
+        let hazards = floor.hazards();
+        assert!(!hazards[0].moves() && hazards[0].may_move && !hazards[1].may_move);
+        assert_eq!(floor.standing(), [thing(1.5, 0.5)]);
+        // Within five seconds it may go far; then it is taken to stay, and only its edges are unsure.
+        let lately = reaches.len() - 80;
+        assert!(reaches[lately] > 0.08 && reaches[reaches.len() - 1] <= 0.02, "{reaches:?}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What moves, and what it means for the drive: go on, hold in time, or take another way.
 //!
 //! Two questions are asked after each frame. *May it go on until the next one?* The robot must still be able to
-//! brake before it comes too near to the whole of any predicted set: as late as that, and no later, it is
-//! held. *Does the way lead on?* Where the drive as it is would meet something further ahead, waiting for it is held
+//! brake before it comes too near to the whole of any predicted set, or to what stops where it is now: as late as
+//! that, and no later, it is held. *Does the way lead on?* Where the drive as it is would meet something further ahead, waiting for it is held
 //! against other legs: behind the one under way, or from where the robot would rest. Predictions of what is far ahead
 //! change, so only what is clearly quicker is done. Seconds from now, metres.
 
@@ -37,6 +37,10 @@ const QUICKER_AT_REST: f64 = 0.2;
 const HOLDS: i32 = 10;
 const FIRST_HOLD: f64 = 0.4;
 const LONGER: f64 = 1.4;
+/// A robot at rest begins with so much more room around it, m, for so long, s: what is near may turn on it sooner
+/// than a camera sees.
+const ROOM: f64 = 0.03;
+const FIRST_MOMENTS: f64 = 0.5;
 /// What a second at full risk costs, s.
 const RISK_WEIGHT: f64 = 1.0;
 /// A plan that begins after no longer a wait begins at once, s.
@@ -105,24 +109,29 @@ impl WatchedDrive {
     }
 
     /// What the robot would come too near to if it braked only after the next judgement, and is better braked for
-    /// now.
+    /// now. What goes ahead of it may stop at any moment.
     fn must_brake(&self, moment: &Moment) -> Option<Contact> {
         let demand = Demand {
             sure: f64::INFINITY,
             ..self.demand(moment.extra(), self.course.margin - FLICKER)
         };
-        let outlook = &moment.outlook;
-        let contact = outlook.course(1.0, [NEXT, f64::INFINITY], demand).contact?;
-        let now = outlook.course(1.0, [REACTION, f64::INFINITY], demand);
-        let on = outlook.course(1.0, [f64::INFINITY; 2], demand);
-        (on.gap <= now.gap).then_some(contact)
+        let Outlook { futures, rollout, place, .. } = &moment.outlook;
+        let stopped = futures.iter().map(Future::stopped);
+        let all: Vec<Future> = futures.iter().cloned().chain(stopped).collect();
+        let held_from =
+            |time: f64| rollout.course((*place, Pace(1.0)), [time, f64::INFINITY], &all, demand);
+        let contact = held_from(NEXT).contact?;
+        let better_held = held_from(f64::INFINITY).gap <= held_from(REACTION).gap;
+        better_held.then_some(Contact { future: contact.future % futures.len(), ..contact })
     }
 
     /// Whether a robot that is held may go on along its legs.
     pub(super) fn may_go(&self, moment: &Moment) -> bool {
         let demand = self.demand(moment.extra(), self.course.margin - FLICKER);
+        let Outlook { rollout, place, futures, .. } = &moment.outlook;
         let on = moment.outlook.course(0.0, [f64::INFINITY; 2], demand);
         on.contact.is_none_or(|contact| contact.time > LEFT_OPEN)
+            && has_room(rollout, *place, futures, demand)
     }
 
     /// The legs to begin with at rest, where `route` is the way among what stands; else why the robot rather
@@ -151,16 +160,13 @@ impl WatchedDrive {
             route.clone()
         };
         // Where it will have to wait later is seen then.
-        let is_open = self
-            .met(&outlook.futures, &other, moment.extra())
-            .is_none_or(|contact| contact.time > LEFT_OPEN);
-        if quicker && (is_open || plan.waits_for.is_none() && plan.first_wait() < AT_ONCE) {
+        let met = |route: &Route| self.met(&outlook.futures, route, moment.extra());
+        let is_open = met(&other).0.is_none_or(|contact| contact.time > LEFT_OPEN);
+        let begins_at_once = plan.waits_for.is_none() && plan.first_wait() < AT_ONCE;
+        if quicker && (is_open || begins_at_once) && met(&other).1 {
             return Ok(other);
         }
-        let thing = plan
-            .waits_for
-            .flatten()
-            .or(self.met(&outlook.futures, &route, moment.extra()).map(|c| c.future));
+        let thing = plan.waits_for.flatten().or(met(&route).0.map(|contact| contact.future));
         let ahead =
             |index: usize| outlook.futures[index].footprint().distance(moment.pose.position);
         Err(thing.and_then(|index| moment.blocked(outlook.hazards[index], ahead(index))))
@@ -169,15 +175,18 @@ impl WatchedDrive {
     /// Whether legs from rest meet nothing that moves if they begin now.
     pub(super) fn is_open(&self, now: Duration, route: &Route) -> bool {
         let (_, futures) = self.floor.futures(now);
-        self.met(&futures, route, 0.0).is_none()
+        let (contact, has_room) = self.met(&futures, route, 0.0);
+        contact.is_none() && has_room
     }
 
-    /// What a route would meet that began now, and keeps so much more than its margin, m.
-    fn met(&self, futures: &[Future], route: &Route, extra: f64) -> Option<Contact> {
+    /// What a route would meet that began now, and keeps so much more than its margin, m; and whether it has room to
+    /// begin.
+    fn met(&self, futures: &[Future], route: &Route, extra: f64) -> (Option<Contact>, bool) {
         let rollout = Rollout::new(&route.legs, &self.limits);
-        let start = (Place { leg: 0, time: 0.0 }, Pace(0.0));
+        let place = Place { leg: 0, time: 0.0 };
         let demand = self.demand(extra, route.margin);
-        rollout.course(start, [f64::INFINITY; 2], futures, demand).contact
+        let on = rollout.course((place, Pace(0.0)), [f64::INFINITY; 2], futures, demand);
+        (on.contact, has_room(&rollout, place, futures, demand))
     }
 
     /// Legs behind the one under way that are quicker than `waiting`.
@@ -241,6 +250,14 @@ impl Outlook {
         let free = tried.find(|course| course.contact.is_none());
         free.map_or(f64::INFINITY, |course| course.rests + RISK_WEIGHT * course.risk)
     }
+}
+
+/// Whether a robot at rest has room to begin.
+fn has_room(rollout: &Rollout, place: Place, futures: &[Future], demand: Demand) -> bool {
+    let roomy = Demand { keep: demand.keep + ROOM, ..demand };
+    let held = [FIRST_MOMENTS, f64::INFINITY];
+    let first = rollout.course((place, Pace(0.0)), held, futures, roomy);
+    first.contact.is_none_or(|contact| contact.time > FIRST_MOMENTS)
 }
 
 fn cost(plan: &DynamicPlan) -> f64 {
