@@ -68,6 +68,7 @@
 //! | Where are shapes of any form planned around? | `plan/disc` for the exact planner; `grid` (`enlarge`) covers them with rectangles for the paper's |
 //! | Where is a way found whose edges are unsure? | `plan/fuzzy`: membership of areas, fast marching, and a taut way on the true shapes |
 //! | Where is the camera's pose joined with odometry, where do obstacles get a velocity? | `track`: `pose`, an extended Kalman filter of pose and wheels; `obstacles` |
+//! | Where is a way found among things that move? | `dynamic`: predicted sets over time, a search in places and time, and what becomes of legs that are driven; `watch/drive` (`moving`) asks it after each frame |
 //! | Where does a box get its margin? | `vision/boxes` (`refine`, and `uncovered` for what no box explains); [`plan::with_margin_fallback`] chooses the margin for driving |
 //! | Where is a leg's time made? | [`protocol::motion`], shared by host and robot; [`legs`] asks it |
 //! | Where does a lost frame come back? | [`protocol::session`], at both ends; [`link::LinkClient`] is the host's |
@@ -79,6 +80,7 @@
 
 pub mod calibration;
 pub mod document;
+pub mod dynamic;
 pub mod geometry;
 pub mod grid;
 pub mod legs;

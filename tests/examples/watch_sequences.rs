@@ -12,10 +12,14 @@ use wmr::geometry::{Arena, Point, Pose, Rect, wrap_angle};
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, from_wire};
 use wmr::plan::{DRIVE_MARGINS, PlanOptions};
 use wmr::protocol::motion::Timing;
-use wmr::scene::{Goal, Scene};
+use wmr::scene::{Goal, Obstacle, Scene};
 use wmr::shape::Shape;
 use wmr::vision::{Camera, DetectOptions, decode, detect};
 use wmr::watch::{Eye, Floor, Hazard, Route, Router, Sight};
+
+/// What moves is avoided where it will be within so many steps of so long, s.
+const AHEAD: u32 = 8;
+const STEP: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -171,8 +175,22 @@ fn planned(sequence: &Sequence, sight: &Sight, frame: &Frame, floor: &Floor) -> 
         legs: LegOptions { timing: Timing::Limits, reverse: true },
     };
     let keep = std::f64::consts::SQRT_2 * (sequence.radius + DRIVE_MARGINS[0]);
-    let avoided = floor.to_avoid(from.position, keep);
+    let avoided = to_avoid(floor, from.position, keep);
     router.route(&avoided, from, (0.0, false), &DEFAULT_LIMITS).ok()
+}
+
+/// All that is there, and what moves wherever it will be within the next moments, but not less than `keep` around
+/// the robot.
+fn to_avoid(floor: &Floor, from: Point, keep: f64) -> Vec<Obstacle> {
+    let mut avoided = floor.obstacles();
+    for hazard in floor.hazards().into_iter().filter(Hazard::moves) {
+        let [vx, vy] = hazard.velocity;
+        let times = (1..=AHEAD).map(|step| STEP * f64::from(step));
+        let later = times.map(|time| hazard.obstacle.footprint.moved_by(vx * time, vy * time));
+        let free = later.filter(|footprint| footprint.distance(from) > keep);
+        avoided.extend(free.map(|footprint| Obstacle { footprint, ..hazard.obstacle.clone() }));
+    }
+    avoided
 }
 
 /// The least distance of the way to what stands there in truth.

@@ -187,7 +187,7 @@ fn drive_to(
     };
     let obstacles = seen.obstacles.clone();
     let route = router.route(&obstacles, start, (0.0, false), &DEFAULT_LIMITS).unwrap();
-    let options = WatchOptions { router, sigma: SIGMA, patience: case.patience };
+    let options = WatchOptions { router, sigma: SIGMA, patience: case.patience, foresees: true };
     let mut drive = WatchedDrive::new(options, DEFAULT_LIMITS, start, route, obstacles);
     outcome.result = drive.run(
         client,

@@ -142,7 +142,10 @@ mod tests {
     #[test]
     fn what_moves_has_a_path_and_what_stands_none() {
         let obstacle: crate::scene::Obstacle = Rect::new(0.4, 0.4, 0.6, 0.6).into();
-        let thing = |velocity| ThingDocument::new(&Hazard { obstacle: obstacle.clone(), velocity });
+        let thing = |velocity| {
+            let obstacle = obstacle.clone();
+            ThingDocument::new(&Hazard { obstacle, velocity, may_move: true, is_known: true })
+        };
         let moving = thing([0.1, 0.0]).predicted;
         assert_eq!(moving.len(), 21);
         assert!(moving[20].distance(Point::new(0.7, 0.5)) < 1e-9);

@@ -2,6 +2,7 @@
 
 mod arrival;
 mod judge;
+mod moving;
 mod outcome;
 mod pose;
 
@@ -89,7 +90,7 @@ impl WatchedDrive {
         route: Route,
         obstacles: Vec<Obstacle>,
     ) -> Self {
-        let mut floor = Floor::default();
+        let mut floor = if options.foresees { Floor::default() } else { Floor::still() };
         floor.update(Duration::ZERO, &obstacles, (None, 0.0));
         Self {
             mission: Mission::new(route.legs, to_wire(start)),

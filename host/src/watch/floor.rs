@@ -5,6 +5,7 @@
 //! ([`track::obstacles`](crate::track::obstacles)). What lies under the robot's own disc is the robot. Metres,
 //! seconds.
 
+use crate::dynamic::Future;
 use crate::geometry::Point;
 use crate::scene::Obstacle;
 use crate::shape::Shape;
@@ -13,13 +14,13 @@ use std::time::Duration;
 
 /// What lies within the robot's disc and this much around it is the robot, m.
 const AROUND_ROBOT: f64 = 0.012;
+/// From one frame to the next a thing that moves goes no further, m.
+const CAME: f64 = 0.08;
 /// A thing moves if its speed is so many standard deviations, and more than by what edges flicker, m/s.
 const SURE: f64 = 3.0;
 const STANDS: f64 = 0.04;
-/// Plans keep out of where things that move will be within so long, s, in steps of which the robot's radius covers
-/// the gaps.
-const AHEAD: f64 = 0.8;
-const STEP: f64 = 0.1;
+/// In so many frames a thing that moves has moved visibly.
+const KNOWN: u32 = 5;
 /// Things differ if an edge lies so far off, m.
 const DIFFERS: f64 = 0.015;
 
@@ -28,12 +29,16 @@ const DIFFERS: f64 = 0.015;
 pub struct Hazard {
     /// What it is.
     pub obstacle: Obstacle,
-    /// Its velocity, m/s.
+    /// Its velocity, m/s; 0 while it stands.
     pub velocity: [f64; 2],
+    /// Whether it was ever seen to move: what has stopped may set out again at any moment.
+    pub may_move: bool,
+    /// Whether it was seen often enough to tell whether it moves.
+    pub is_known: bool,
 }
 
 impl Hazard {
-    /// Whether it moves.
+    /// Whether it moves now.
     pub fn moves(&self) -> bool {
         self.velocity != [0.0; 2]
     }
@@ -44,9 +49,16 @@ impl Hazard {
 pub struct Floor {
     tracker: Tracker,
     things: Vec<(TrackId, Hazard)>,
+    /// Whether all things are taken to stand where they were last seen.
+    is_still: bool,
 }
 
 impl Floor {
+    /// A floor on which all things are taken to stand where they were last seen.
+    pub fn still() -> Self {
+        Self { is_still: true, ..Self::default() }
+    }
+
     /// Takes in what a frame shows that was exposed at that time, when the disc of `radius` at `robot` was the
     /// robot's.
     pub fn update(
@@ -61,6 +73,15 @@ impl Floor {
                 obstacle.footprint.outline().iter().all(|corner| corner.distance(at) < reach)
             })
         };
+        // What was seen to come runs into the robot; it is no part of it.
+        let moving = self.things.iter().filter(|(_, hazard)| hazard.moves());
+        let moving: Vec<Point> =
+            moving.map(|(_, hazard)| middle(&hazard.obstacle.footprint)).collect();
+        let came = |obstacle: &Obstacle| {
+            let at = middle(&obstacle.footprint);
+            moving.iter().any(|before| before.distance(at) < CAME)
+        };
+        let is_robot = |obstacle: &Obstacle| is_robot(obstacle) && !came(obstacle);
         let seen: Vec<&Obstacle> = seen.iter().filter(|obstacle| !is_robot(obstacle)).collect();
         let shapes: Vec<Shape> = seen.iter().map(|obstacle| obstacle.footprint.clone()).collect();
         self.tracker.update(exposed, &shapes);
@@ -76,7 +97,11 @@ impl Floor {
                 (None, None) => track.footprint().into(),
             };
             if !is_robot(&obstacle) {
-                self.things.push((track.id(), Hazard { obstacle, velocity: velocity(track) }));
+                let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
+                let has_moved = track.has_moved() || last.is_some_and(|(_, last)| last.may_move);
+                let may_move = !self.is_still && (has_moved || velocity != [0.0; 2]);
+                let is_known = self.is_still || may_move || track.frames() >= KNOWN;
+                self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
         }
     }
@@ -91,21 +116,24 @@ impl Floor {
         self.things.iter().map(|(_, hazard)| hazard.obstacle.clone()).collect()
     }
 
-    /// What a plan that begins at `from` goes round: what moves takes up all that it will cover within the next
-    /// moments. Where that holds `from`, less than `keep` away, it is only avoided where it is now.
-    pub fn to_avoid(&self, from: Point, keep: f64) -> Vec<Obstacle> {
-        let mut avoided = self.obstacles();
-        for hazard in self.hazards().into_iter().filter(Hazard::moves) {
-            let [vx, vy] = hazard.velocity;
-            let steps = (1..=(AHEAD / STEP) as u32).map(|step| STEP * f64::from(step));
-            let later = steps.map(|time| hazard.obstacle.footprint.moved_by(vx * time, vy * time));
-            let free = later.filter(|footprint| footprint.distance(from) > keep);
-            avoided.extend(free.map(|footprint| Obstacle { footprint, ..hazard.obstacle.clone() }));
-        }
-        avoided
+    /// What stands and will stand: what a plan goes round.
+    pub fn standing(&self) -> Vec<Obstacle> {
+        let stands = self.things.iter().filter(|(_, hazard)| !hazard.may_move);
+        stands.map(|(_, hazard)| hazard.obstacle.clone()).collect()
     }
 
-    /// Whether something has come, gone or moved compared with `others`.
+    /// What may move, with where each may be from `now` on; the hazards' indices beside them.
+    pub fn futures(&self, now: Duration) -> (Vec<usize>, Vec<Future>) {
+        let lag = now.saturating_sub(self.tracker.time());
+        let moving = self.things.iter().enumerate().filter(|(_, (_, hazard))| hazard.may_move);
+        let found = moving.filter_map(|(index, (id, _))| {
+            let track = self.tracker.tracks().iter().find(|track| track.id() == *id)?;
+            Some((index, Future::of(track, lag)))
+        });
+        found.unzip()
+    }
+
+    /// Whether something that stands has come or gone compared with `others`.
     pub fn differs_from(&self, others: &[Obstacle]) -> bool {
         let alike = |a: &Obstacle, b: &Obstacle| {
             let (a, b) = (a.footprint.bounds(), b.footprint.bounds());
@@ -114,7 +142,7 @@ impl Floor {
                 .all(|off| off.abs() < DIFFERS)
         };
         let has = |all: &[Obstacle], one: &Obstacle| all.iter().any(|other| alike(one, other));
-        let now = self.obstacles();
+        let now = self.standing();
         now.iter().any(|one| !has(others, one)) || others.iter().any(|one| !has(&now, one))
     }
 }
@@ -157,22 +185,38 @@ mod tests {
         assert!(!hazards[1].moves());
     }
 
-    /// At a quarter of a metre a second it covers 0.2 m more within 0.8 s.
     #[test]
-    fn plans_go_round_where_things_will_be() {
+    fn what_moves_has_a_future_and_what_stands_is_planned_round() {
         let mut floor = Floor::default();
         (0..8).for_each(|frame| {
             let boxes = [thing(0.5 + 0.025 * frame as f64, 0.5), thing(1.5, 0.5)];
             floor.update(at(frame), &boxes, (None, 0.075));
         });
-        let right = |from| {
-            let avoided = floor.to_avoid(from, 0.08);
-            let of_mover = avoided.iter().map(|thing| thing.footprint.bounds().x1);
-            of_mover.filter(|x1| *x1 < 1.5).fold(0.0, f64::max)
-        };
-        assert!((right(Point::new(0.2, 0.2)) - 0.975).abs() < 0.02);
-        let before = right(Point::new(0.96, 0.5));
-        assert!(before < 0.88 && before > 0.84, "as far as the robot lets it: {before}");
+        assert_eq!(floor.standing(), [thing(1.5, 0.5)]);
+        // 0.1 s after the last frame, and 0.8 s later, at a quarter of a metre a second.
+        let (indices, futures) = floor.futures(at(8));
+        assert_eq!(indices, [0]);
+        assert!((futures[0].centre(0.0).x - 0.7).abs() < 0.01, "{:?}", futures[0].centre(0.0));
+        assert!((futures[0].centre(0.8).x - 0.9).abs() < 0.02);
+    }
+
+    #[test]
+    fn what_has_stopped_may_set_out_again() {
+        let mut floor = Floor::default();
+        // It comes at 0.2 m/s and stops after a second.
+        let mut reaches = Vec::new();
+        for frame in 0..120u64 {
+            let boxes = [thing(0.5 + 0.02 * frame.min(10) as f64, 0.5), thing(1.5, 0.5)];
+            floor.update(at(frame), &boxes, (None, 0.075));
+            let (_, futures) = floor.futures(at(frame));
+            reaches.extend(futures.first().map(|future| future.reach(1.0)));
+        }
+        let hazards = floor.hazards();
+        assert!(!hazards[0].moves() && hazards[0].may_move && !hazards[1].may_move);
+        assert_eq!(floor.standing(), [thing(1.5, 0.5)]);
+        // Within five seconds it may go far; then it is taken to stay, and only its edges are unsure.
+        let lately = reaches.len() - 80;
+        assert!(reaches[lately] > 0.08 && reaches[reaches.len() - 1] <= 0.02, "{reaches:?}");
     }
 
     #[test]

@@ -14,7 +14,8 @@
 //! |---|---|
 //! | the way is free | drives on; if a much shorter way has opened, takes it |
 //! | something stands in a later leg | other legs from where the leg under way ends, while driving |
-//! | something stands or moves into the leg under way | brakes on the path at once, then plans from there |
+//! | something stands in the leg under way | brakes on the path at once, then plans from there |
+//! | something that moves will be in the way | brakes as late as it may; waits, or takes another way if that is quicker ([`dynamic`](crate::dynamic)) |
 //! | no way | waits at rest, says why, and goes on when there is one |
 //! | the camera is dark, or disagrees with the wheels | wider margins, slower legs, then waits at rest |
 //!

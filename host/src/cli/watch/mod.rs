@@ -282,7 +282,7 @@ pub(crate) fn watched(
     let legs = way.legs_for(&limits, output);
     let route = Route { legs, length: file.length, margin: way.options.margin };
     let Manner { sigma, patience, .. } = *how;
-    let options = WatchOptions { router, sigma, patience };
+    let options = WatchOptions { router, sigma, patience, foresees: true };
     WatchedDrive::new(options, limits, first_pose(way), route, obstacles)
 }
 

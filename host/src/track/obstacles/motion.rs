@@ -32,6 +32,12 @@ const TURNED_ABOUT: f64 = 0.5;
 /// a steady velocity sees that it sways, only that it seems to be measured badly.
 const SWAYING: f64 = 2.0;
 
+/// An innovation of which ν²/S is greater is no noise, which reaches it once in a thousand frames: the thing has
+/// stopped or turned. It is where it was seen then, but for this share of the measured variance; how fast it
+/// will be is as unsure as ever of things that sway, and is left to the next frames.
+const STARTLING: f64 = 14.0;
+const SEEN: f64 = 0.8;
+
 /// Innovations are averaged over so many frames.
 const AVERAGED: f64 = 20.0;
 
@@ -93,15 +99,24 @@ impl Motion {
         self.seen = self.time;
         let [p, c, v] = self.covariance;
         let s = p + self.variance;
-        let gain = [p / s, c / s];
+        let mut gain = [p / s, c / s];
         let difference = [seen.x - self.position.x, seen.y - self.position.y];
         let squared = (difference[0].powi(2) + difference[1].powi(2)) / s;
+        if squared > STARTLING {
+            gain[0] = gain[0].max(SEEN);
+        }
         self.surprise += (squared - self.surprise) / AVERAGED;
         self.position.x += gain[0] * difference[0];
         self.position.y += gain[0] * difference[1];
         self.velocity[0] += gain[1] * difference[0];
         self.velocity[1] += gain[1] * difference[1];
-        self.covariance = [p - gain[0] * p, c - gain[0] * c, v - gain[1] * c];
+        // What it is for any gain of the position.
+        let (left, r) = (1.0 - gain[0], self.variance);
+        self.covariance = [
+            left * left * p + gain[0] * gain[0] * r,
+            left * (c - gain[1] * p) + gain[0] * gain[1] * r,
+            v - gain[1] * c,
+        ];
     }
 
     /// The centre after `h` seconds.
@@ -154,6 +169,21 @@ mod tests {
         assert!((motion.position().x - 0.1 * (s - 25e-6) / s).abs() < 1e-12);
         assert!((motion.velocity()[0] - 0.1 * (0.04 + NOISE / 2.0) / s).abs() < 1e-12);
         assert_eq!(motion.velocity()[1], 0.0);
+    }
+
+    /// It goes at 0.2 m/s, and its velocity takes a second to follow; its place does not.
+    #[test]
+    fn what_stops_at_once_stays_in_its_set() {
+        let mut motion = Motion::new(Duration::ZERO, Point::new(0.0, 0.0), 0.005);
+        for frame in 1..=35u64 {
+            motion.advance(Duration::from_millis(100 * frame));
+            let there = Point::new(0.02 * frame.min(30) as f64, 0.0);
+            motion.correct(there);
+            if frame > 5 {
+                let off = motion.position().distance(there);
+                assert!(off < 3.4 * motion.sigma_ahead(0.0), "{off} in frame {frame}");
+            }
+        }
     }
 
     #[test]

@@ -139,6 +139,11 @@ impl Track {
         !self.has_moved && self.frames >= KNOWN
     }
 
+    /// Whether it was seen to move, and has not kept its place for long since.
+    pub fn has_moved(&self) -> bool {
+        self.has_moved
+    }
+
     /// How many frames have shown it.
     pub fn frames(&self) -> u32 {
         self.frames

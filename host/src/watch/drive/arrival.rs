@@ -34,7 +34,7 @@ impl WatchedDrive {
         self.mission = Mission::new(route.legs, to_wire(pose));
         self.driver = Driver::default();
         (self.hold, self.next_course) = (None, None);
-        let obstacles = self.floor.obstacles();
+        let obstacles = self.floor.standing();
         self.course = Course { obstacles, margin: route.margin, slow };
         self.statistics.replans += 1;
         self.events.push(WatchEvent::Rerouted { legs, length, at_rest: true, slow });
@@ -66,7 +66,12 @@ impl WatchedDrive {
             && self.touch_ups < MOST_TOUCH_UPS
             && let Ok(route) = self.route(pose, (0.0, false))
             && !route.legs.is_empty()
+            && now < since + self.options.patience
         {
+            // It rests, and may wait for what passes.
+            if !self.is_open(now, &route) {
+                return Ok(None);
+            }
             self.touch_ups += 1;
             self.events.push(WatchEvent::TouchUp { distance, turn });
             self.restart(client, pose, (route, false));

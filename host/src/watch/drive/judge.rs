@@ -1,5 +1,6 @@
-//! The judgement after each frame: drive on, hold, go on, or take another way.
+//! The judgement after each frame: drive on, hold, go on, or take another way. What moves is judged in [`moving`](super::moving).
 
+use super::moving::Outlook;
 use super::{Course, Hold, JUDGE_INTERVAL, WatchError, WatchedDrive};
 use crate::geometry::{Point, Pose, square_to_leg};
 use crate::legs::from_wire;
@@ -10,10 +11,9 @@ use crate::track::pose::{Growth, Verdict};
 use crate::watch::event::{Reason, WatchEvent};
 use crate::watch::floor::Hazard;
 use crate::watch::route::{Route, end_of, goals, length};
-use crate::watch::way::{Contact, Demand, first_contact};
+use crate::watch::way::{Contact, first_contact};
 use protocol::message::State;
 use protocol::motion::{Leg, WheelSpeeds};
-use std::f64::consts::SQRT_2;
 use std::time::Duration;
 
 /// This much uncertainty of the pose is what margins are for, m.
@@ -24,11 +24,8 @@ const FLICKER: f64 = 0.006;
 const REPLACE_TICKS: u32 = 80;
 /// Further beside its path the robot plans again, m.
 const OFF_PATH: f64 = 0.05;
-/// Things that move are looked ahead for so long while driving and, so that it pays to go on, while held, s.
-const HORIZON: f64 = 1.2;
-const HELD_HORIZON: f64 = 2.5;
-/// Something that moves is waited for so long before another way is taken.
-const WAIT: Duration = Duration::from_secs(3);
+/// Before it has driven so far, the robot knows whether a thing that has just appeared moves, m.
+const FOUND_OUT: f64 = 0.35;
 /// Another way must be shorter by this, m, to be taken while driving; and to be worth a stop.
 const SHORTER: f64 = 0.03;
 const WORTH_A_STOP: f64 = 0.4;
@@ -36,29 +33,39 @@ const WORTH_A_STOP: f64 = 0.4;
 const LONG_TICKS: u32 = 600;
 
 /// What is known at the moment of a judgement.
-struct Moment {
-    now: Duration,
-    pose: Pose,
+pub(super) struct Moment {
+    pub(super) now: Duration,
+    pub(super) pose: Pose,
     growth: Growth,
     hazards: Vec<Hazard>,
     /// The legs from the one under way on.
-    legs: Vec<Leg>,
+    pub(super) legs: Vec<Leg>,
+    /// With what stands.
     contact: Option<Contact>,
+    /// What moves.
+    pub(super) outlook: Outlook,
 }
 
 impl Moment {
-    fn extra(&self) -> f64 {
+    pub(super) fn extra(&self) -> f64 {
         extra(&self.growth)
     }
 
-    fn is_slow(&self) -> bool {
+    pub(super) fn is_slow(&self) -> bool {
         self.growth.verdict >= Verdict::Slow
     }
 
-    fn blocked(&self, contact: &Contact) -> Option<Reason> {
-        let hazard = self.hazards.get(contact.hazard)?;
+    /// Whether a contact is one with something that surely stands, or is too near to find out.
+    fn matters(&self, contact: &Contact) -> bool {
+        let is_known = self.hazards.get(contact.hazard).is_some_and(|hazard| hazard.is_known);
+        is_known || contact.distance < FOUND_OUT
+    }
+
+    /// That a hazard is in the way, so far ahead, m.
+    pub(super) fn blocked(&self, hazard: usize, ahead: f64) -> Option<Reason> {
+        let hazard = self.hazards.get(hazard)?;
         let shape = hazard.obstacle.footprint.clone();
-        Some(Reason::Blocked { shape, moves: hazard.moves(), ahead: contact.distance })
+        Some(Reason::Blocked { shape, moves: hazard.moves(), ahead })
     }
 }
 
@@ -90,7 +97,8 @@ impl WatchedDrive {
         let next = usize::from(self.mission.progress().next);
         let legs = self.mission.legs().get(next..)?.to_vec();
         let contact = self.contact(pose.position, &goals(&legs), &hazards, &growth);
-        Some(Moment { now, pose, growth, hazards, legs, contact })
+        let outlook = self.outlook(now, pose, &legs);
+        Some(Moment { now, pose, growth, hazards, legs, contact, outlook })
     }
 
     fn contact(
@@ -102,9 +110,7 @@ impl WatchedDrive {
     ) -> Option<Contact> {
         let radius = self.options.router.scene.robot_radius;
         let keep = radius + (self.course.margin - FLICKER).max(0.0) + extra(growth);
-        let horizon = if self.hold.is_some() { HELD_HORIZON } else { HORIZON };
-        let speed = f64::from(self.limits.speed.0);
-        first_contact(from, goals, hazards, Demand { keep, speed, horizon })
+        first_contact(from, goals, hazards, keep)
     }
 
     fn judge_driving<P: TimedPort>(&mut self, client: &LinkClient<P>, moment: &Moment) {
@@ -118,13 +124,15 @@ impl WatchedDrive {
             return self.hold(moment, Reason::OffPath(beside), true);
         }
         let left = self.ticks_left(client, moment);
-        if let Some(contact) = moment.contact {
-            let Some(reason) = moment.blocked(&contact) else { return };
-            let moves = moment.hazards.get(contact.hazard).is_some_and(Hazard::moves);
-            let is_later = contact.leg > 0 && !moves && left > REPLACE_TICKS;
+        if let Some(contact) = moment.contact.filter(|contact| moment.matters(contact)) {
+            let Some(reason) = moment.blocked(contact.hazard, contact.distance) else { return };
+            let is_later = contact.leg > 0 && left > REPLACE_TICKS;
             if !(is_later && self.take_other_legs(moment, None)) {
                 self.hold(moment, reason, false);
             }
+            return;
+        }
+        if self.judge_moving(moment, left > REPLACE_TICKS) {
             return;
         }
         match (moment.is_slow(), self.course.slow) {
@@ -141,13 +149,9 @@ impl WatchedDrive {
         }
     }
 
-    /// A route from `from` round what is seen now, and what moves round where it will be.
+    /// A route from `from` round what stands now.
     pub(super) fn route(&self, from: Pose, manner: (f64, bool)) -> Result<Route, PlanError> {
-        let router = &self.options.router;
-        let widest = router.margins.iter().copied().fold(0.0, f64::max) + manner.0;
-        // Squares reach further at their corners.
-        let keep = SQRT_2 * (router.scene.robot_radius + widest);
-        router.route(&self.floor.to_avoid(from.position, keep), from, manner, &self.limits)
+        self.options.router.route(&self.floor.standing(), from, manner, &self.limits)
     }
 
     /// When something has changed on the floor, a shorter way may have opened.
@@ -169,7 +173,7 @@ impl WatchedDrive {
                 return;
             }
         }
-        self.course.obstacles = self.floor.obstacles();
+        self.course.obstacles = self.floor.standing();
     }
 
     /// Sends other legs that begin where the one under way ends, if they are shorter than `most`; false if there
@@ -181,11 +185,16 @@ impl WatchedDrive {
         let Ok(route) = self.route(end, (extra, slow)) else { return false };
         let free = self.contact(end.position, &goals(&route.legs), &moment.hazards, &moment.growth);
         let is_short = most.is_none_or(|most| route.length < most);
-        if free.is_some() || !is_short || !self.mission.replace(&route.legs) {
+        free.is_none() && is_short && self.replace(&route, slow)
+    }
+
+    /// Sends other legs that begin where the one under way ends; false if that is not possible now.
+    pub(super) fn replace(&mut self, route: &Route, slow: bool) -> bool {
+        if !self.mission.replace(&route.legs) {
             return false;
         }
         let (legs, length) = (route.legs.len(), route.length);
-        let obstacles = self.floor.obstacles();
+        let obstacles = self.floor.standing();
         self.next_course = Some(Course { obstacles, margin: route.margin, slow });
         self.events.push(WatchEvent::Rerouted { legs, length, at_rest: false, slow });
         true
@@ -198,7 +207,7 @@ impl WatchedDrive {
         leg.ticks(&self.limits).saturating_sub(passed)
     }
 
-    fn hold(&mut self, moment: &Moment, reason: Reason, replans: bool) {
+    pub(super) fn hold(&mut self, moment: &Moment, reason: Reason, replans: bool) {
         self.statistics.waits += 1;
         self.events.push(WatchEvent::Held(reason.clone()));
         self.hold = Some(Hold { since: moment.now, reason, replans });
@@ -221,43 +230,40 @@ impl WatchedDrive {
         }
         let beside = off_path(moment.pose.position, moment.legs.first());
         let fits = !hold.replans && moment.is_slow() == self.course.slow && beside < OFF_PATH;
-        if fits && moment.contact.is_none() {
+        let is_free = moment.contact.is_none();
+        if fits && is_free && self.may_go(moment) {
             self.hold = None;
             self.events.push(WatchEvent::Resumed { after: waited });
             return;
         }
         if rests(client) {
-            self.plan_from_rest(client, moment, (hold, waited));
+            let was_blocked = matches!(hold.reason, Reason::Blocked { .. });
+            let still_fits = was_blocked && is_free && beside < OFF_PATH;
+            let fits = fits && is_free || still_fits;
+            self.plan_from_rest(client, moment, (hold, fits.then_some(waited)));
         }
     }
 
-    /// The robot rests and cannot go on: another way from here, or a reason to wait.
+    /// The robot rests and cannot go on as it is: another way from here, or a reason to wait. Its legs may still
+    /// fit what stands, and for so long it has waited for what moves.
     fn plan_from_rest<P: TimedPort>(
         &mut self,
         client: &mut LinkClient<P>,
         moment: &Moment,
-        (hold, waited): (&Hold, Duration),
+        (hold, fitting): (&Hold, Option<Duration>),
     ) {
-        let moving =
-            |contact: &Contact| moment.hazards.get(contact.hazard).is_some_and(Hazard::moves);
-        if moment.contact.is_some_and(|contact| moving(&contact)) && waited < WAIT {
-            return;
-        }
-        let (extra, slow) = (moment.extra(), moment.is_slow());
-        match self.route(moment.pose, (extra, slow)) {
+        let slow = moment.is_slow();
+        match self.route(moment.pose, (moment.extra(), slow)) {
             Err(error) => self.wait_for(hold, Reason::NoWay(error)),
             Ok(route) => {
-                let from = moment.pose.position;
-                let contact =
-                    self.contact(from, &goals(&route.legs), &moment.hazards, &moment.growth);
-                // What moves will pass; what stands was planned around.
-                match contact.filter(moving) {
-                    Some(contact) => {
-                        if let Some(reason) = moment.blocked(&contact) {
-                            self.wait_for(hold, reason);
-                        }
+                match self.begin(moment, route, fitting.map(|waited| waited.as_secs_f64())) {
+                    Ok(route) => self.restart(client, moment.pose, (route, slow)),
+                    // The legs that it has are as good.
+                    Err(reason) => {
+                        let hold =
+                            Hold { replans: hold.replans && fitting.is_none(), ..hold.clone() };
+                        self.wait_for(&hold, reason.unwrap_or(hold.reason.clone()));
                     }
-                    None => self.restart(client, moment.pose, (route, slow)),
                 }
             }
         }

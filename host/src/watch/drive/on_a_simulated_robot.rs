@@ -67,8 +67,12 @@ fn drive(comes: Option<(f64, Rect)>, wish: impl Fn(f64) -> Wish) -> Story {
         legs: LegOptions { timing: Timing::Limits, reverse: false },
     };
     let route = router.route(&[], start, (0.0, false), &DEFAULT_LIMITS).unwrap();
-    let options =
-        WatchOptions { router, sigma: PoseSigma::TAGGED, patience: Duration::from_secs(2) };
+    let options = WatchOptions {
+        router,
+        sigma: PoseSigma::TAGGED,
+        patience: Duration::from_secs(2),
+        foresees: true,
+    };
     let mut drive = WatchedDrive::new(options, DEFAULT_LIMITS, start, route, Vec::new());
     let mut watcher = Onlooker { next: Duration::ZERO, comes };
     let (mut path, mut events) = (Vec::new(), Vec::new());

@@ -19,6 +19,8 @@ pub struct WatchOptions {
     pub sigma: PoseSigma,
     /// A robot that is held for longer gives up.
     pub patience: Duration,
+    /// Whether things that move are expected where they will be, or only where they are.
+    pub foresees: bool,
 }
 
 /// Counts of a watched drive.
