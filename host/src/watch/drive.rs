@@ -27,6 +27,9 @@ use std::time::Duration;
 const JUDGE_INTERVAL: Duration = Duration::from_millis(100);
 /// Trouble with frames is told this often at most.
 const TROUBLE_INTERVAL: Duration = Duration::from_secs(2);
+/// A robot sets out once it knows of all that is so near, m, whether it moves; or after so long.
+const NEAR: f64 = 0.5;
+const LOOKED: Duration = Duration::from_secs(1);
 
 #[derive(Clone, Debug)]
 struct Hold {
@@ -71,6 +74,9 @@ pub struct WatchedDrive {
     /// The robot's clock when the leg under way began, ticks.
     leg_began: u32,
     judged: Duration,
+    /// When the drive began, and whether the robot has looked around since.
+    looks_since: Option<Duration>,
+    has_looked: bool,
     troubled: Option<Duration>,
     ended: Option<(Duration, u32)>,
     touch_ups: u32,
@@ -110,6 +116,8 @@ impl WatchedDrive {
             pending: None,
             leg_began: 0,
             judged: Duration::ZERO,
+            looks_since: None,
+            has_looked: false,
             troubled: None,
             ended: None,
             touch_ups: 0,
@@ -202,6 +210,7 @@ impl WatchedDrive {
     ) -> Result<Option<Pose>, WatchError> {
         let now = client.port_mut().now();
         self.pause(wish == Wish::Pause, now);
+        self.look_around(now);
         let mut heard = Vec::new();
         let driven = self.drive_on(client, now, wish == Wish::Stop, &mut heard);
         for event in heard {
@@ -227,6 +236,16 @@ impl WatchedDrive {
         }
     }
 
+    /// Whether what is near was seen often enough to set out.
+    fn look_around(&mut self, now: Duration) {
+        let since = *self.looks_since.get_or_insert(now);
+        let here = self.start.position;
+        let is_open =
+            |hazard: &Hazard| !hazard.is_known && hazard.obstacle.footprint.distance(here) < NEAR;
+        self.has_looked =
+            self.has_looked || now > since + LOOKED || !self.floor.hazards().iter().any(is_open);
+    }
+
     /// One step of the mission, or of a link on which nothing is driven.
     fn drive_on<P: TimedPort>(
         &mut self,
@@ -247,7 +266,7 @@ impl WatchedDrive {
         }
         let wish = if stop_asked || self.ending.is_some() {
             Wish::Stop
-        } else if self.hold.is_some() || self.is_paused {
+        } else if self.hold.is_some() || self.is_paused || !self.has_looked {
             Wish::Pause
         } else {
             Wish::Drive
