@@ -245,6 +245,17 @@ mod tests {
     }
 
     #[test]
+    fn distance_to_a_leg_is_measured_to_its_nearest_point() {
+        let (a, b) = (Point::new(0.0, 0.0), Point::new(3.0, 4.0));
+        let distance = |x, y| square_to_leg(Point::new(x, y), a, b).sqrt();
+        assert_eq!(distance(1.5, 2.0), 0.0);
+        assert!((distance(-0.8, 0.6) - 1.0).abs() < 1e-12, "before its start");
+        assert!((distance(3.0 + 0.6, 4.0 + 0.8) - 1.0).abs() < 1e-12, "behind its end");
+        assert!((distance(1.5 - 0.08, 2.0 + 0.06) - 0.1).abs() < 1e-12, "beside it");
+        assert_eq!(square_to_leg(b, a, a), 25.0);
+    }
+
+    #[test]
     fn distance_to_a_rectangle_is_measured_to_its_nearest_edge_or_corner() {
         let rect = Rect::new(1.0, 1.0, 2.0, 3.0);
         assert_eq!(rect.distance(Point::new(1.5, 2.0)), 0.0);

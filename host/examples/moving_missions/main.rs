@@ -15,6 +15,7 @@ mod report;
 use mission::{Outcome, Task};
 use replay::Replay;
 use std::error::Error;
+use std::panic::resume_unwind;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -43,12 +44,14 @@ fn run(replay: &Replay, missions: std::ops::Range<u64>) -> Result<Vec<Outcome>, 
     Ok(std::thread::scope(|scope| {
         let share = |worker| {
             let mine = missions.clone().skip(worker).step_by(workers);
-            scope.spawn(move || mine.map(|seed| Task::new(replay, seed).run()).collect())
+            scope.spawn(move || {
+                mine.map(|seed| Task::new(replay, seed).run()).collect::<Vec<Outcome>>()
+            })
         };
         let running: Vec<_> = (0..workers).map(share).collect();
         running
             .into_iter()
-            .flat_map(|worker| worker.join().unwrap_or_else(|_| Vec::new()))
+            .flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
             .collect()
     }))
 }

@@ -3,6 +3,9 @@
 use super::{Demand, LegMotion, Quest};
 use protocol::motion::{Leg, Limits};
 
+/// What a second at full risk costs, s.
+pub(crate) const RISK_WEIGHT: f64 = 1.0;
+
 /// A leg, and when it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedLeg {
@@ -29,6 +32,11 @@ pub struct DynamicPlan {
 }
 
 impl DynamicPlan {
+    /// When the robot has arrived, with what risks cost, s.
+    pub fn cost(&self) -> f64 {
+        self.arrival + RISK_WEIGHT * self.risk
+    }
+
     /// The legs alone.
     pub fn legs(&self) -> Vec<Leg> {
         self.legs.iter().map(|timed| timed.leg).collect()

@@ -3,6 +3,7 @@
 //! A robot that is held slows its own time down, within its limits, and so comes to rest on its path
 //! ([`Pace`], as the robot does it). Metres, seconds.
 
+use super::plan::RISK_WEIGHT;
 use super::{Band, Demand, Future, LegMotion};
 use crate::geometry::{Point, Pose};
 use crate::legs::from_wire;
@@ -80,6 +81,13 @@ pub struct Course {
     pub risk: f64,
     /// The least distance to what is forbidden, m.
     pub gap: f64,
+}
+
+impl Course {
+    /// When the robot rests, with what risks cost, s.
+    pub fn cost(&self) -> f64 {
+        self.rests + RISK_WEIGHT * self.risk
+    }
 }
 
 impl Rollout {

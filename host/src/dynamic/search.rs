@@ -6,7 +6,7 @@
 //! tried against what moves: most are never looked at. A leg that meets something is put back with a later
 //! beginning. What a leg risks is added to its time. Seconds, metres.
 
-use super::plan::{DynamicPlan, TimedLeg};
+use super::plan::{DynamicPlan, RISK_WEIGHT, TimedLeg};
 use super::queue::{Entry, Next, Node};
 use super::times::Times;
 use super::{DynamicArena, Future, LegMotion, Quest, TimeGrid};
@@ -22,8 +22,6 @@ const DELAY: f64 = 0.2;
 const LONGEST_WAIT: f64 = 10.0;
 /// So many legs are tried at most.
 const TRIED: usize = 800;
-/// What a second at full risk costs, s.
-const RISK_WEIGHT: f64 = 1.0;
 const DIRECTIONS: [Direction; 2] = [Direction::Forward, Direction::Reverse];
 
 /// A search under way.

@@ -4,7 +4,7 @@
 //! its own pose is how far it rolled since. [`after_restart`] adds that to the pose it last reported;
 //! [`check_beside_leg`] makes sure that the rest of the leg begins there. Metres and radians, arena frame.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, square_to_leg};
 use crate::legs::from_wire;
 use protocol::motion::Leg;
 
@@ -67,19 +67,11 @@ pub fn check_beside_leg(legs: &[Leg], next: u16, pose: Pose) -> Result<(), Resum
     let Some(leg) = legs.get(usize::from(next)) else { return Ok(()) };
     let start = from_wire(leg.start).position;
     let goal = Point::new(leg.goal.x.0.into(), leg.goal.y.0.into());
-    let distance = distance_to_segment(pose.position, start, goal);
+    let distance = square_to_leg(pose.position, start, goal).sqrt();
     if distance <= MAX_BESIDE {
         return Ok(());
     }
     Err(ResumeError::Beside { pose, distance, leg: next })
-}
-
-fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let along = ((point.x - a.x) * dx + (point.y - a.y) * dy) / (dx * dx + dy * dy);
-    // A segment of no length is a point.
-    let along = if along.is_finite() { along.clamp(0.0, 1.0) } else { 0.0 };
-    point.distance(Point::new(a.x + along * dx, a.y + along * dy))
 }
 
 #[cfg(test)]
@@ -95,17 +87,6 @@ mod tests {
         assert_eq!(pose.heading, last.heading + 0.25);
         let error = after_restart(last, Pose::new(0.0, 0.3, 0.0)).unwrap_err();
         assert_eq!(error.to_string(), "the robot has moved 300 mm since it restarted");
-    }
-
-    #[test]
-    fn the_rest_of_a_leg_begins_beside_it() {
-        let (a, b) = (Point::new(0.0, 0.0), Point::new(3.0, 4.0));
-        let distance = |x, y| distance_to_segment(Point::new(x, y), a, b);
-        assert_eq!(distance(1.5, 2.0), 0.0);
-        assert!((distance(-0.8, 0.6) - 1.0).abs() < 1e-12, "before its start");
-        assert!((distance(3.0 + 0.6, 4.0 + 0.8) - 1.0).abs() < 1e-12, "behind its end");
-        assert!((distance(1.5 - 0.08, 2.0 + 0.06) - 0.1).abs() < 1e-12, "beside it");
-        assert_eq!(distance_to_segment(b, a, a), 5.0);
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use crate::geometry::Arena;
 use crate::vision::border::{self, By, PictureCorner, given, lowest_left};
 use crate::vision::camera::{PlanMap, Viewpoint};
-use crate::vision::detect::DetectOptions;
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
 use crate::vision::marks::Marks;
+use crate::vision::options::DetectOptions;
 use crate::vision::tags::{self, Bridged, TagPoint};
 use crate::vision::warning::Warning;
 

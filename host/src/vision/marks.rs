@@ -2,8 +2,8 @@
 //! nothing is an obstacle. Metres in the arena frame.
 
 use super::camera::PlanMap;
-use super::detect::DetectOptions;
 use super::image::Photo;
+use super::options::DetectOptions;
 use super::tags::{self, Tag, TagDictionary, find_tags};
 use super::warning::Warning;
 use crate::shape::{Circle, Polygon, Shape};

@@ -49,6 +49,7 @@ mod image;
 mod least_squares;
 mod locate;
 mod marks;
+mod options;
 mod outline;
 mod paper;
 mod plan_view;
@@ -61,12 +62,13 @@ mod warning;
 pub use border::{BorderCandidates, PictureCorner, SeenBorder, border_candidates};
 pub use calibrate::{CalibratedCamera, KnownOfCamera, ObservedBorder, calibrate_camera};
 pub use camera::{Camera, CameraModel, CameraSpread, PlanMap, homography};
-pub use detect::{DetectOptions, Detection, Method, detect};
+pub use detect::{Detection, detect};
 pub use empty::check_still;
 pub use error::VisionError;
 pub use image::{
     CellRect, MAX_PIXELS, Photo, Raster, check_picture, decode, rectangles, srgb_code,
 };
+pub use options::{DetectOptions, Method};
 pub use paper::{
     ObstacleMask, PaperSteps, Segment, Steps, average_filter, brightness, detect_obstacles,
     edge_magnitude, enlarge, histogram_mean, invert, obstacle_borders, paper_obstacles,

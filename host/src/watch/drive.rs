@@ -236,7 +236,7 @@ impl WatchedDrive {
         }
     }
 
-    /// Whether what is near was seen often enough to set out.
+    /// Notes whether what is near was seen often enough to set out.
     fn look_around(&mut self, now: Duration) {
         let since = *self.looks_since.get_or_insert(now);
         let here = self.start.position;

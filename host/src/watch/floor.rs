@@ -19,8 +19,6 @@ const CAME: f64 = 0.08;
 /// A thing moves if its speed is so many standard deviations, and more than by what edges flicker, m/s.
 const SURE: f64 = 3.0;
 const STANDS: f64 = 0.04;
-/// In so many frames a thing that moves has moved visibly.
-const KNOWN: u32 = 5;
 /// Things differ if an edge lies so far off, m.
 const DIFFERS: f64 = 0.015;
 
@@ -76,9 +74,9 @@ impl Floor {
         // What was seen to come runs into the robot; it is no part of it.
         let moving = self.things.iter().filter(|(_, hazard)| hazard.moves());
         let moving: Vec<Point> =
-            moving.map(|(_, hazard)| middle(&hazard.obstacle.footprint)).collect();
+            moving.map(|(_, hazard)| hazard.obstacle.footprint.bounds().centre()).collect();
         let came = |obstacle: &Obstacle| {
-            let at = middle(&obstacle.footprint);
+            let at = obstacle.footprint.bounds().centre();
             moving.iter().any(|before| before.distance(at) < CAME)
         };
         let is_robot = |obstacle: &Obstacle| is_robot(obstacle) && !came(obstacle);
@@ -87,8 +85,8 @@ impl Floor {
         self.tracker.update(exposed, &shapes);
         let before = std::mem::take(&mut self.things);
         for track in self.tracker.tracks() {
-            let there = middle(&track.footprint());
-            let off = |obstacle: &Obstacle| middle(&obstacle.footprint).distance(there);
+            let there = track.footprint().bounds().centre();
+            let off = |obstacle: &Obstacle| obstacle.footprint.bounds().centre().distance(there);
             let shown = seen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
             let last = before.iter().find(|(id, _)| *id == track.id());
             let obstacle = match (shown.filter(|_| track.misses() == 0), last) {
@@ -100,7 +98,7 @@ impl Floor {
                 let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
                 let has_moved = track.has_moved() || last.is_some_and(|(_, last)| last.may_move);
                 let may_move = !self.is_still && (has_moved || velocity != [0.0; 2]);
-                let is_known = self.is_still || may_move || track.frames() >= KNOWN;
+                let is_known = self.is_still || may_move || track.stands();
                 self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
         }
@@ -152,11 +150,6 @@ fn velocity(track: &Track) -> [f64; 2] {
     let [vx, vy] = track.velocity();
     let least = (SURE * track.velocity_sigma()).max(STANDS);
     if vx.hypot(vy) > least { [vx, vy] } else { [0.0; 2] }
-}
-
-fn middle(shape: &Shape) -> Point {
-    let bounds = shape.bounds();
-    Point::new((bounds.x0 + bounds.x1) / 2.0, (bounds.y0 + bounds.y1) / 2.0)
 }
 
 #[cfg(test)]

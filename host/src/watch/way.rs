@@ -12,6 +12,7 @@ use crate::shape::Shape;
 const NEARER: f64 = 0.001;
 /// Halvings of a leg until the place of contact is known to a millimetre.
 const HALVINGS: u32 = 12;
+
 /// What is in the way, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {

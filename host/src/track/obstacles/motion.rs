@@ -157,6 +157,7 @@ impl Motion {
 
 #[cfg(test)]
 mod tests {
+    use super::super::track::SPANNED;
     use super::*;
 
     #[test]
@@ -171,7 +172,8 @@ mod tests {
         assert_eq!(motion.velocity()[1], 0.0);
     }
 
-    /// It goes at 0.2 m/s, and its velocity takes a second to follow; its place does not.
+    /// It goes at 0.2 m/s, and its velocity takes a second to follow; its place does not: it is never further off
+    /// than a predicted set spans, in standard deviations.
     #[test]
     fn what_stops_at_once_stays_in_its_set() {
         let mut motion = Motion::new(Duration::ZERO, Point::new(0.0, 0.0), 0.005);
@@ -181,7 +183,7 @@ mod tests {
             motion.correct(there);
             if frame > 5 {
                 let off = motion.position().distance(there);
-                assert!(off < 3.4 * motion.sigma_ahead(0.0), "{off} in frame {frame}");
+                assert!(off < SPANNED * motion.sigma_ahead(0.0), "{off} in frame {frame}");
             }
         }
     }

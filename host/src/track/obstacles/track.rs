@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// Standard deviations of a coordinate that the radius of a predicted set spans: 3.03 hold 99 % of a normal
 /// distribution in the plane; those of things that walk have wider tails.
-const SPANNED: f64 = 3.4;
+pub(super) const SPANNED: f64 = 3.4;
 
 /// An obstacle seen in fewer frames may be anything.
 const KNOWN: u32 = 5;

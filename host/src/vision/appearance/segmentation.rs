@@ -134,6 +134,12 @@ impl Look {
         self.shadows.iter().copied().map(Some).collect()
     }
 
+    /// The floor point of a cell of the view by its index.
+    pub(crate) fn cell_point(&self, cell: usize) -> Point {
+        let width = self.features.width();
+        self.view.point((cell % width) as f64, (cell / width) as f64)
+    }
+
     /// Whether the centre of a cell lies on the arena.
     pub(crate) fn on_arena(&self, column: usize, row: usize) -> bool {
         let point = self.view.point(column as f64, row as f64);

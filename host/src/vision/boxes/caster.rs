@@ -2,9 +2,8 @@
 //!
 //! Under a known lamp a shadow that no box explains has one that is not seen: what the lamp sees of a box less what
 //! the camera sees of it is the dark patch. The footprint and the height that agree with the patch best are searched
-//! for from its bounds on, edge by edge. The patch stays an obstacle: it may be a thing as dark as
-//! shadow, and is taken for nothing else if it fills its bounds as a thing does.
-//! Metres in the arena frame.
+//! for from its bounds on, edge by edge. The patch stays an obstacle: it may be a thing as dark as shadow, and is
+//! taken for nothing else if it fills its bounds as a thing does. Metres in the arena frame.
 //!
 //! Deviation: the paper knows no shadows; it leaves them to a second camera [Alghannam, Sec. VI].
 
@@ -22,7 +21,8 @@ const LEAST_AGREEMENT: f64 = 0.75;
 const LEANS: [f64; 5] = [1.03, 1.06, 1.10, 1.14, 1.19];
 const STEPS: [f64; 4] = [0.04, 0.02, 0.01, 0.005];
 const LEAN_SHARE: f64 = 8.0;
-/// Rounds with each step at most.
+/// Four edges and the lean, each to either side; and rounds with each step at most.
+const MOVES: usize = 10;
 const ROUNDS: usize = 12;
 /// How far its edges may be off: they are told by the ends of a blurred shadow.
 const MARGIN: f64 = 0.025;
@@ -57,8 +57,7 @@ impl Explained<'_> {
             let places = self.places(&marked(&patch, shade.width()), bounds);
             caster(&places, bounds, (camera, lamp))
         };
-        let r: Vec<_> = patches.filter_map(caster).collect();
-        r
+        patches.filter_map(caster).collect()
     }
 
     /// The cells as dark as shadow that no box with a height hides or shades, nor robot or border.
@@ -149,7 +148,7 @@ fn improved(start: LeaningBox, agreement: impl Fn(LeaningBox) -> f64) -> (Leanin
     for step in STEPS {
         for _ in 0..ROUNDS {
             let before = best.1;
-            for which in 0..10 {
+            for which in 0..MOVES {
                 let tried = moved(best.0, which, step);
                 let agreed = if is_possible(tried) { agreement(tried) } else { 0.0 };
                 if agreed > best.1 {

@@ -80,7 +80,7 @@ fn levels(distances: &Raster<f32>, look: &Look) -> Raster<f32> {
         if distance <= 0.0 || least > FOREIGN {
             return distance / FOREIGN;
         }
-        let point = look.view.point((cell % width) as f64, (cell / width) as f64);
+        let point = look.cell_point(cell);
         let is_dark = look.floor.residual(point, look.features.cells()[cell])[0] < 0.0;
         let depth = greatest.max(FOREIGN) * look.floor.spread[0];
         let half = half_light(if is_dark { -depth } else { depth });
@@ -140,10 +140,7 @@ impl Explained<'_> {
     /// something that reaches further onto the floor.
     fn without_wall_feet(&self, mut distances: Raster<f32>) -> Raster<f32> {
         let view = &self.look.view;
-        let width = distances.width();
-        let depth = |cell: usize| {
-            self.look.floor.inside(view.point((cell % width) as f64, (cell / width) as f64))
-        };
+        let depth = |cell: usize| self.look.floor.inside(self.look.cell_point(cell));
         let is_foreign = |cell: usize| distances.cells()[cell] > FOREIGN;
         let reach = (WALL_FOOT * view.scale).ceil() as usize;
         // What is reached from further inside in so many steps belongs to what stands there.
@@ -206,10 +203,8 @@ impl Explained<'_> {
         floors: &Raster<f32>,
         shaded: &Raster<bool>,
     ) -> Raster<f32> {
-        let width = distances.width();
         let casts = self.casts();
-        let point =
-            |cell: usize| self.look.view.point((cell % width) as f64, (cell / width) as f64);
+        let point = |cell: usize| self.look.cell_point(cell);
         for patch in regions(shaded) {
             let (cast, other): (Vec<usize>, Vec<usize>) =
                 patch.iter().partition(|&&cell| self.is_in_light_shadow(point(cell), &casts));
@@ -238,9 +233,8 @@ impl Explained<'_> {
     /// Distances with 0 for a patch that has the form of the robot's shadow, whatever shadow is known.
     fn without_robot_shadow(&self, mut distances: Raster<f32>) -> Raster<f32> {
         let Some(robot) = self.robot else { return distances };
-        let (floor, width) = (&self.look.floor, distances.width());
-        let point =
-            |cell: usize| self.look.view.point((cell % width) as f64, (cell / width) as f64);
+        let floor = &self.look.floor;
+        let point = |cell: usize| self.look.cell_point(cell);
         let is_dim = |(cell, &distance): (usize, &f32)| {
             let residual = || floor.residual(point(cell), self.look.features.cells()[cell]);
             distance > FOREIGN
@@ -248,7 +242,7 @@ impl Explained<'_> {
                 && floor.off_any_shadow(residual(), DEEPEST) <= FOREIGN
         };
         let dim: Vec<bool> = distances.cells().iter().enumerate().map(is_dim).collect();
-        for patch in regions(&Raster::from_cells(width, dim)) {
+        for patch in regions(&Raster::from_cells(distances.width(), dim)) {
             let points: Vec<Point> = patch.iter().map(|&cell| point(cell)).collect();
             if is_robot_shadow(&points, 1.0 / self.look.view.scale, robot, ROBOT_RIM) {
                 patch.iter().for_each(|&cell| distances.cells_mut()[cell] = 0.0);

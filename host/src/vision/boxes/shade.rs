@@ -117,3 +117,56 @@ pub(super) fn lonely_shadow(
     }
     patches.map(|patch| patch > 0 && !cast[patch as usize])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Arena, Point};
+    use crate::vision::appearance::Shadow;
+
+    const ARENA: Arena = Arena { width: 1.0, height: 0.6 };
+    const SCALE: f64 = 100.0;
+    const DEPTH: f32 = 0.8;
+
+    /// Whether the middle of a floor is taken for lit or the rim of shadow, where `dark` tells its depth.
+    fn is_soft(dark: impl Fn(Point) -> f32) -> bool {
+        let frame = PlanFrame::new(ARENA, SCALE, 0.0);
+        let (width, height) = frame.size();
+        let samples: Vec<(Point, Feature)> = (0..600)
+            .map(|i| (frame.point(f64::from(i % 30), f64::from(i / 30)), [0.0; 3]))
+            .collect();
+        let mut floor = FloorModel::fit(ARENA, &samples).unwrap();
+        floor.shadow = Some(Shadow { offset: [-DEPTH, 0.0, 0.0], even: None });
+        let features = Raster::from_fn(width, height, |column, row| {
+            [-dark(frame.point(column as f64, row as f64)), 0.0, 0.0]
+        });
+        let judged = Raster::from_fn(width, height, |column, row| {
+            floor.difference(frame.point(column as f64, row as f64), features.row(row)[column])
+        });
+        let (column, row) = frame.cell(Point::new(0.5, 0.3));
+        let soft = soft_shadow(&frame, &features, &judged, &floor, 300.0);
+        soft.get(column as i64, row as i64) == Some(true)
+    }
+
+    #[test]
+    fn what_darkens_slowly_is_the_rim_of_shadow() {
+        // From lit floor to full shadow within 0.4 m.
+        assert!(is_soft(|point| DEPTH * ((point.x - 0.3) / 0.4).clamp(0.0, 1.0) as f32));
+    }
+
+    #[test]
+    fn a_grey_box_that_floor_goes_over_into_in_one_place_is_none() {
+        let edge = |point: Point| {
+            let (x, y) = ((point.x - 0.5).abs(), (point.y - 0.3).abs());
+            if x < 0.2 && y < 0.2 { 0.3 } else { 0.0 }
+        };
+        assert!(!is_soft(edge));
+        // A blurred corner leads up to it, 3 cm wide.
+        let leak = |point: Point| {
+            let along = ((0.3 - point.x) / 0.1).clamp(0.0, 1.0) as f32;
+            let is_leak = (point.y - 0.3).abs() < 0.015 && point.x < 0.3 && point.x > 0.2;
+            if is_leak { 0.3 * (1.0 - along) } else { edge(point) }
+        };
+        assert!(!is_soft(leak));
+    }
+}

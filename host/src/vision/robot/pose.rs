@@ -6,7 +6,7 @@
 
 use super::disc::{DIRECTIONS, Size, centres, circle, contrast, on_circle};
 use super::triangle;
-use crate::geometry::Point;
+use crate::geometry::{Point, square_to_leg};
 use crate::vision::appearance::Look;
 use crate::vision::camera::PlanMap;
 use crate::vision::image::Photo;
@@ -46,10 +46,7 @@ impl RobotTop {
 
     /// How far a point is from the line between base and top, radii of the top: the robot hides what is nearer than 1.
     pub(crate) fn radii_from(&self, point: Point) -> f64 {
-        let (x, y) = (self.centre.x - self.base.x, self.centre.y - self.base.y);
-        let along = (point.x - self.base.x) * x + (point.y - self.base.y) * y;
-        let share = (along / (x * x + y * y).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        Point::new(self.base.x + share * x, self.base.y + share * y).distance(point) / self.radius
+        square_to_leg(point, self.base, self.centre).sqrt() / self.radius
     }
 }
 
@@ -150,6 +147,17 @@ mod tests {
         let corners = [[-0.375, 239.625], [299.625, 239.625], [299.625, -0.375], [-0.375, -0.375]];
         let map = PlanMap::from_corners(&photo, ARENA, corners, 0.0).unwrap();
         (photo, map)
+    }
+
+    #[test]
+    fn a_robot_hides_the_floor_between_its_base_and_its_top() {
+        let centre = Point::new(1.0, 1.0);
+        let top = RobotTop { centre, radius: 0.1, heading: 0.0, certainty: 1.0, base: centre };
+        assert!((top.radii_from(Point::new(1.3, 1.4)) - 5.0).abs() < 1e-12);
+        let swept = top.above(Point::new(0.6, 1.0));
+        for (x, y, radii) in [(0.8, 1.2, 2.0), (0.5, 1.0, 1.0), (1.0, 0.9, 1.0), (1.3, 1.4, 5.0)] {
+            assert!((swept.radii_from(Point::new(x, y)) - radii).abs() < 1e-12, "{x} {y}");
+        }
     }
 
     #[test]

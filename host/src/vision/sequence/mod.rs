@@ -20,9 +20,10 @@ mod reading;
 mod windows;
 
 use super::camera::PlanMap;
-use super::detect::{DetectOptions, Detection, detect_whole};
+use super::detect::{Detection, detect_whole};
 use super::error::VisionError;
 use super::image::Photo;
+use super::options::DetectOptions;
 use crate::geometry::{Arena, Pose};
 use reading::Reading;
 

@@ -5,8 +5,8 @@ use crate::shape::{Polygon, Shape};
 use crate::vision::appearance::Look;
 use crate::vision::boxes::Known;
 use crate::vision::camera::PlanMap;
-use crate::vision::detect::DetectOptions;
 use crate::vision::image::Photo;
+use crate::vision::options::DetectOptions;
 use crate::vision::robot::{self, RobotTop, SeenRobot};
 use crate::vision::tags::{self, TagDictionary, find_tags};
 

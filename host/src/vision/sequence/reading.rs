@@ -6,9 +6,10 @@ use super::windows;
 use crate::geometry::{Arena, Pose, Rect};
 use crate::vision::boxes::{Known, LeaningBox, find_within};
 use crate::vision::camera::PlanMap;
-use crate::vision::detect::{DetectOptions, Detection, Thing, Whole, things};
+use crate::vision::detect::{Detection, Thing, Whole, things};
 use crate::vision::empty::over_even_floor;
 use crate::vision::image::{Photo, Raster};
+use crate::vision::options::DetectOptions;
 
 /// The floor is looked at this far beyond the arena, metres.
 const BEYOND: f64 = 0.05;

@@ -1,4 +1,5 @@
-//! The judgement after each frame: drive on, hold, go on, or take another way. What moves is judged in [`moving`](super::moving).
+//! The judgement after each frame: drive on, hold, go on, or take another way. What moves is judged in
+//! [`moving`](super::moving).
 
 use super::moving::Outlook;
 use super::{Course, Hold, JUDGE_INTERVAL, WatchError, WatchedDrive};
@@ -108,9 +109,12 @@ impl WatchedDrive {
         hazards: &[Hazard],
         growth: &Growth,
     ) -> Option<Contact> {
-        let radius = self.options.router.scene.robot_radius;
-        let keep = radius + (self.course.margin - FLICKER).max(0.0) + extra(growth);
-        first_contact(from, goals, hazards, keep)
+        first_contact(from, goals, hazards, self.keep(extra(growth)))
+    }
+
+    /// How far from everything the legs that are driven are to keep the robot's centre, m.
+    pub(super) fn keep(&self, extra: f64) -> f64 {
+        self.options.router.scene.robot_radius + (self.course.margin - FLICKER).max(0.0) + extra
     }
 
     fn judge_driving<P: TimedPort>(&mut self, client: &LinkClient<P>, moment: &Moment) {

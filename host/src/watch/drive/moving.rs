@@ -2,9 +2,9 @@
 //!
 //! Two questions are asked after each frame. *May it go on until the next one?* The robot must still be able to
 //! brake before it comes too near to the whole of any predicted set, or to what stops where it is now: as late as
-//! that, and no later, it is held. *Does the way lead on?* Where the drive as it is would meet something further ahead, waiting for it is held
-//! against other legs: behind the one under way, or from where the robot would rest. Predictions of what is far ahead
-//! change, so only what is clearly quicker is done. Seconds from now, metres.
+//! that, and no later, it is held. *Does the way lead on?* Where the drive as it is would meet something further
+//! ahead, waiting for it is held against other legs: behind the one under way, or from where the robot would rest.
+//! Predictions of what is far ahead change, so only what is clearly quicker is done. Seconds from now, metres.
 
 use super::WatchedDrive;
 use super::judge::Moment;
@@ -25,8 +25,6 @@ const NEXT: f64 = 0.15;
 const RESTART: f64 = 0.15;
 /// Sets are wholly forbidden so far ahead, s.
 const SURE: f64 = 0.7;
-/// Edges flicker: a way that kept its margin is held to it less this, m.
-const FLICKER: f64 = 0.006;
 /// Meetings further ahead than this are left to later predictions while driving, and while held, s.
 const DECIDED: f64 = 2.5;
 const LEFT_OPEN: f64 = 2.0;
@@ -41,8 +39,6 @@ const LONGER: f64 = 1.4;
 /// than a camera sees.
 const ROOM: f64 = 0.03;
 const FIRST_MOMENTS: f64 = 0.5;
-/// What a second at full risk costs, s.
-const RISK_WEIGHT: f64 = 1.0;
 /// A plan that begins after no longer a wait begins at once, s.
 const AT_ONCE: f64 = 0.1;
 
@@ -71,6 +67,11 @@ impl WatchedDrive {
         Demand { keep: radius + margin.max(0.0) + extra, sure: SURE }
     }
 
+    /// What is asked of the legs that are driven.
+    fn kept(&self, moment: &Moment) -> Demand {
+        Demand { keep: self.keep(moment.extra()), sure: SURE }
+    }
+
     /// Judges what moves while the robot drives; true if something was done. Other legs may take the place of
     /// those behind the one under way if there is `time` for that.
     pub(super) fn judge_moving(&mut self, moment: &Moment, time: bool) -> bool {
@@ -84,7 +85,7 @@ impl WatchedDrive {
             }
             return true;
         }
-        let demand = self.demand(moment.extra(), self.course.margin - FLICKER);
+        let demand = self.kept(moment);
         let on = moment.outlook.course(1.0, [f64::INFINITY; 2], demand);
         let Some(contact) = on.contact.filter(|contact| contact.time < DECIDED) else {
             return false;
@@ -111,10 +112,7 @@ impl WatchedDrive {
     /// What the robot would come too near to if it braked only after the next judgement, and is better braked for
     /// now. What goes ahead of it may stop at any moment.
     fn must_brake(&self, moment: &Moment) -> Option<Contact> {
-        let demand = Demand {
-            sure: f64::INFINITY,
-            ..self.demand(moment.extra(), self.course.margin - FLICKER)
-        };
+        let demand = Demand { sure: f64::INFINITY, ..self.kept(moment) };
         let Outlook { futures, rollout, place, .. } = &moment.outlook;
         let stopped = futures.iter().map(Future::stopped);
         let all: Vec<Future> = futures.iter().cloned().chain(stopped).collect();
@@ -127,7 +125,7 @@ impl WatchedDrive {
 
     /// Whether a robot that is held may go on along its legs.
     pub(super) fn may_go(&self, moment: &Moment) -> bool {
-        let demand = self.demand(moment.extra(), self.course.margin - FLICKER);
+        let demand = self.kept(moment);
         let Outlook { rollout, place, futures, .. } = &moment.outlook;
         let on = moment.outlook.course(0.0, [f64::INFINITY; 2], demand);
         on.contact.is_none_or(|contact| contact.time > LEFT_OPEN)
@@ -148,12 +146,12 @@ impl WatchedDrive {
             return Ok(route);
         }
         let demand = self.demand(moment.extra(), route.margin);
-        let kept = self.demand(moment.extra(), self.course.margin - FLICKER);
+        let kept = self.kept(moment);
         let within = waited.map_or(f64::INFINITY, |waited| {
             outlook.quickest_hold(0.0, kept) + waited - QUICKER_AT_REST
         });
         let plan = self.search(moment, (moment.pose, RESTART), &route, (demand, within));
-        let quicker = cost(&plan) < within;
+        let quicker = plan.cost() < within;
         let other = if plan.waits_for.is_none() {
             Route { legs: plan.legs(), length: plan.length(), margin: route.margin }
         } else {
@@ -248,7 +246,7 @@ impl Outlook {
         let holds = (0..HOLDS).map(|step| FIRST_HOLD * LONGER.powi(step));
         let mut tried = holds.map(|hold| self.course(pace, [REACTION, REACTION + hold], demand));
         let free = tried.find(|course| course.contact.is_none());
-        free.map_or(f64::INFINITY, |course| course.rests + RISK_WEIGHT * course.risk)
+        free.map_or(f64::INFINITY, |course| course.cost())
     }
 }
 
@@ -258,10 +256,6 @@ fn has_room(rollout: &Rollout, place: Place, futures: &[Future], demand: Demand)
     let held = [FIRST_MOMENTS, f64::INFINITY];
     let first = rollout.course((place, Pace(0.0)), held, futures, roomy);
     first.contact.is_none_or(|contact| contact.time > FIRST_MOMENTS)
-}
-
-fn cost(plan: &DynamicPlan) -> f64 {
-    plan.arrival + RISK_WEIGHT * plan.risk
 }
 
 fn blocked(moment: &Moment, hazards: &[usize], contact: Contact) -> Option<Reason> {

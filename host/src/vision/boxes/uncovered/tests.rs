@@ -3,8 +3,9 @@
 use super::*;
 use crate::geometry::Arena;
 use crate::shape::Shape;
-use crate::vision::detect::{DetectOptions, Detection, detect};
+use crate::vision::detect::{Detection, detect};
 use crate::vision::image::Photo;
+use crate::vision::options::DetectOptions;
 use crate::vision::warning::Warning;
 
 const ARENA: Arena = Arena { width: 1.2, height: 0.9 };
