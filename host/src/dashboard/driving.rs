@@ -24,6 +24,7 @@ impl RobotThread {
         drive: impl FnOnce(&mut Self) -> Result<(Run, Option<CliError>), CliError>,
     ) -> Result<(), CliError> {
         let (run, error) = drive(self)?;
+        self.hear_rest();
         let mut report = serde_json::json!(run.document());
         if let (Some(fields), Some(error)) = (report.as_object_mut(), &error) {
             fields.insert("problem".into(), serde_json::json!(error.failure()));

@@ -167,6 +167,13 @@ impl Live {
         })
     }
 
+    /// Whether the robot says that it rests and drives no legs.
+    pub(super) fn rests(&self) -> bool {
+        self.telemetry.is_some_and(|last| {
+            last.state != State::Driving && last.wheels == WheelSpeeds::default()
+        })
+    }
+
     /// Whether the robot is simulated by this program.
     pub(super) fn is_simulated(&self) -> bool {
         is_simulated(&self.port)

@@ -78,6 +78,8 @@ const IDLE_STEP: Duration = Duration::from_millis(4);
 const RETRY: Duration = Duration::from_secs(1);
 /// At the end the robot is given this long to hear the stop.
 const END_PATIENCE: Duration = Duration::from_millis(500);
+/// After its legs have ended it says so within so long: it may still brake.
+const REST_PATIENCE: Duration = Duration::from_millis(500);
 /// The trail has a point at most so often, seconds.
 const TRAIL_INTERVAL: f64 = 0.1;
 /// And at most so close to the last, metres.
@@ -309,6 +311,17 @@ impl RobotThread {
         let error = error.map(|error| serde_json::json!(error.failure()));
         lock(&self.live).run.end(report, error, lines);
         self.controls.set_paused(false);
+    }
+
+    /// Listens until the robot says that it rests, but not for long: what it reports of the end of its legs may come
+    /// before its word of where that was.
+    pub(super) fn hear_rest(&mut self) {
+        let until = Instant::now() + REST_PATIENCE;
+        while self.client.is_some() && !lock(&self.live).rests() && Instant::now() < until {
+            if self.listen().is_err() {
+                return;
+            }
+        }
     }
 
     /// Leaves a robot at rest.
