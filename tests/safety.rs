@@ -6,7 +6,8 @@ use hil_sim::in_process::{Flash, InProcess};
 use hil_sim::simulation::{Firmware, Simulation};
 use hil_sim::wire::FrameFault;
 use protocol::message::{
-    CameraPose, Command, Fault, Placement, PlanHeader, PoseRefusal, Report, State, plan_digest,
+    CameraPose, Command, Fault, PauseReason, Placement, PlanHeader, PoseRefusal, Report, State,
+    plan_digest,
 };
 use protocol::motion::{Leg, Pose, Timing};
 use protocol::parameters::{ParameterRefusal, Parameters};
@@ -249,6 +250,39 @@ fn an_implausible_camera_pose_is_refused_and_moves_nothing() {
     let (_, reports, pose) = run(Some(0.05));
     assert_eq!(reports, []);
     assert!(undisturbed.x - pose.x > 0.005, "a plausible pose is followed: {pose:?}");
+}
+
+#[test]
+fn a_robot_that_the_camera_keeps_seeing_elsewhere_stops_while_it_drives() {
+    let mut client = driving();
+    for refusal in 1..=3 {
+        // 0.1 s apart the bounds grow by 40 mm each time.
+        let far = camera_pose(&mut client, 0.6);
+        assert!(client.send(Command::SetPose(far)));
+        let refused = Report::PoseRefused { ticks: far.ticks, reason: PoseRefusal::Implausible };
+        assert!(wait(&mut client, 20).contains(&refused));
+        let state = client.telemetry().unwrap().state;
+        let expected = if refusal < 3 { State::Driving } else { State::Faulted(Fault::Displaced) };
+        assert_eq!(state, expected, "after {refusal} refusals");
+    }
+    // Cut from 0.4 m/s it rolls out.
+    wait(&mut client, 200);
+    let before = client.port_mut().truth().pose;
+    wait(&mut client, 200);
+    let after = client.port_mut().truth().pose;
+    assert!((before.x - after.x).hypot(before.y - after.y) < 1e-3, "it rests");
+}
+
+#[test]
+fn a_robot_that_pauses_waits_for_what_the_host_makes_of_refused_poses() {
+    let mut client = driving();
+    assert!(client.send(Command::Pause));
+    for _ in 0..4 {
+        let far = camera_pose(&mut client, 1.0);
+        assert!(client.send(Command::SetPose(far)));
+        wait(&mut client, 20);
+    }
+    assert_eq!(client.telemetry().unwrap().state, State::Paused(PauseReason::Command));
 }
 
 fn connected(flash: Flash) -> Client {

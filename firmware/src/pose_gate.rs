@@ -9,7 +9,8 @@
 //! ```
 //! the camera has seen something else (another robot, a reflection, the top turned by half a turn),
 //! and following it would drive the robot off its path. A robot whose pose nobody has given yet takes
-//! any. The bounds grow with time, so a robot that was moved by hand is found again after a while.
+//! any. The bounds grow with time, so a robot that was moved by hand is found again after a while. Until then
+//! it would drive where nobody planned: while it drives, several refusals on end are a reason to stop.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -25,20 +26,24 @@ const POSITION_ALLOWANCE: f32 = 0.05;
 /// The same for headings, rad: 11°.
 const HEADING_ALLOWANCE: f32 = 0.2;
 
-/// The time since the last known pose.
+/// So many poses refused on end are no mistake of the camera's.
+const CONTRADICTED: u8 = 3;
+
+/// The time since the last known pose, and what was refused since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PoseGate {
     /// Ticks since the exposure of the last accepted pose; the largest number also stands for none.
     ticks: u16,
+    refused: u8,
 }
 
 impl PoseGate {
     /// Nobody has said yet where the robot is.
-    pub(crate) const UNKNOWN: Self = Self { ticks: u16::MAX };
+    pub(crate) const UNKNOWN: Self = Self { ticks: u16::MAX, refused: 0 };
 
     /// The pose was known `age` ticks ago.
     pub(crate) fn known(age: u32) -> Self {
-        Self { ticks: u16::try_from(age).unwrap_or(u16::MAX) }
+        Self { ticks: u16::try_from(age).unwrap_or(u16::MAX), refused: 0 }
     }
 
     /// `ticks` more have passed.
@@ -46,9 +51,15 @@ impl PoseGate {
         self.ticks = self.ticks.saturating_add(ticks);
     }
 
+    /// One more pose was refused; whether they contradict where the robot believes it is.
+    pub(crate) fn refuse(&mut self) -> bool {
+        self.refused = self.refused.saturating_add(1);
+        self.refused >= CONTRADICTED
+    }
+
     /// Whether the robot may have been at `seen`, `age` ticks ago, when its own estimate was `estimate`.
     pub(crate) fn admits(self, seen: Pose, estimate: Pose, age: u32, limits: &Limits) -> bool {
-        if self == Self::UNKNOWN {
+        if self.ticks == u16::MAX {
             return true;
         }
         let ticks = u32::from(self.ticks).saturating_sub(age);
@@ -85,6 +96,14 @@ mod tests {
         // Across half a turn: 3.1 + 0.86 wraps.
         assert!(admits(0.0, 0.86) && !admits(0.0, 0.88));
         assert!(admits(0.0, -0.86) && !admits(0.0, -0.88));
+    }
+
+    #[test]
+    fn three_refusals_on_end_contradict_and_an_accepted_pose_ends_them() {
+        let mut gate = PoseGate::known(0);
+        assert_eq!([(); 4].map(|()| gate.refuse()), [false, false, true, true]);
+        gate = PoseGate::known(0);
+        assert!(!gate.refuse());
     }
 
     #[test]

@@ -376,6 +376,8 @@ pub enum Fault {
     TickOverrun,
     /// The host asked for it by [`Command::EmergencyStop`].
     EmergencyStop,
+    /// A camera sees it where its wheels cannot have brought it.
+    Displaced,
 }
 
 impl Fault {
@@ -388,6 +390,7 @@ impl Fault {
             Self::Battery => "the battery is empty",
             Self::TickOverrun => "the control loop was late",
             Self::EmergencyStop => "the host asked for an emergency stop",
+            Self::Displaced => "the camera sees it where its wheels cannot have brought it",
         }
     }
 }

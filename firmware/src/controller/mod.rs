@@ -269,7 +269,8 @@ impl Controller {
     /// wheels follow within their limits.
     ///
     /// # Errors
-    /// [`PoseRefusal`]; then nothing has changed.
+    /// [`PoseRefusal`]; then the estimate has not changed. A robot that drives is cut with [`Fault::Displaced`]
+    /// where the camera has contradicted it several times on end.
     pub fn set_pose(&mut self, seen: Pose, age: u32) -> Result<(), PoseRefusal> {
         if !seen.is_sane() {
             return Err(PoseRefusal::NotSane);
@@ -277,6 +278,9 @@ impl Controller {
         let driven = self.history.at(age).ok_or(PoseRefusal::TooOld)?;
         let estimate = self.odometry.estimate(driven);
         if !self.gate.admits(seen, estimate, age, &self.parameters.limits()) {
+            if self.gate.refuse() && self.state == State::Driving {
+                self.cut(Fault::Displaced);
+            }
             return Err(PoseRefusal::Implausible);
         }
         self.gate = PoseGate::known(age);

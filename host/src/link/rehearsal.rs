@@ -128,6 +128,7 @@ impl Ending {
                 Fault::Battery => "robot.battery",
                 Fault::TickOverrun => "robot.tick_overrun",
                 Fault::EmergencyStop => "robot.emergency_stop",
+                Fault::Displaced => "robot.displaced",
             },
             Self::Failed(error) => failure(error),
         }
