@@ -122,9 +122,22 @@ impl Floor {
 
     /// What may move, with where each may be from `now` on; the hazards' indices beside them.
     pub fn futures(&self, now: Duration) -> (Vec<usize>, Vec<Future>) {
+        self.futures_of(now, |hazard| hazard.may_move)
+    }
+
+    /// The same of what was not seen often enough to tell whether it moves: it may be anywhere that things go.
+    pub fn newcomers(&self, now: Duration) -> (Vec<usize>, Vec<Future>) {
+        self.futures_of(now, |hazard| !hazard.is_known)
+    }
+
+    fn futures_of(
+        &self,
+        now: Duration,
+        counts: impl Fn(&Hazard) -> bool,
+    ) -> (Vec<usize>, Vec<Future>) {
         let lag = now.saturating_sub(self.tracker.time());
-        let moving = self.things.iter().enumerate().filter(|(_, (_, hazard))| hazard.may_move);
-        let found = moving.filter_map(|(index, (id, _))| {
+        let these = self.things.iter().enumerate().filter(|(_, (_, hazard))| counts(hazard));
+        let found = these.filter_map(|(index, (id, _))| {
             let track = self.tracker.tracks().iter().find(|track| track.id() == *id)?;
             Some((index, Future::of(track, lag)))
         });
@@ -191,6 +204,26 @@ mod tests {
         assert_eq!(indices, [0]);
         assert!((futures[0].centre(0.0).x - 0.7).abs() < 0.01, "{:?}", futures[0].centre(0.0));
         assert!((futures[0].centre(0.8).x - 0.9).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_newcomer_may_come_from_anywhere_until_it_is_known() {
+        let mut floor = Floor::default();
+        for frame in 0..5 {
+            floor.update(at(frame), &[thing(0.5, 0.5)], (None, 0.075));
+            let (indices, newcomers) = floor.newcomers(at(frame));
+            // After one frame it may go at 0.2 m/s, one standard deviation; 3.4 of them hold 99 %.
+            if frame == 0 {
+                assert_eq!(indices, [0]);
+                assert!(
+                    (newcomers[0].reach(1.0) - 0.68).abs() < 0.02,
+                    "{}",
+                    newcomers[0].reach(1.0)
+                );
+            }
+            assert_eq!(newcomers.is_empty(), frame == 4, "frame {frame}");
+        }
+        assert_eq!(floor.futures(at(4)).1, []);
     }
 
     #[test]

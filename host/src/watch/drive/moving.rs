@@ -45,9 +45,12 @@ const AT_ONCE: f64 = 0.1;
 /// What moves, and the legs that are driven among it.
 #[derive(Clone, Debug)]
 pub(super) struct Outlook {
-    /// The hazards' indices, and where each may be.
+    /// The hazards' indices: of what moves, then of newcomers.
     hazards: Vec<usize>,
+    /// Where each thing that moves may be.
     futures: Vec<Future>,
+    /// The same of what was not seen often enough to tell whether it moves.
+    newcomers: Vec<Future>,
     rollout: Rollout,
     place: Place,
 }
@@ -55,10 +58,12 @@ pub(super) struct Outlook {
 impl WatchedDrive {
     /// What moves at this moment.
     pub(super) fn outlook(&self, now: Duration, pose: Pose, legs: &[Leg]) -> Outlook {
-        let (hazards, futures) = self.floor.futures(now);
+        let (mut hazards, futures) = self.floor.futures(now);
+        let (others, newcomers) = self.floor.newcomers(now);
+        hazards.extend(others);
         let rollout = Rollout::new(legs, &self.limits);
         let place = rollout.place(pose);
-        Outlook { hazards, futures, rollout, place }
+        Outlook { hazards, futures, newcomers, rollout, place }
     }
 
     /// What is asked of legs that keep `margin`, and `extra`, m.
@@ -75,10 +80,7 @@ impl WatchedDrive {
     /// Judges what moves while the robot drives; true if something was done. Other legs may take the place of
     /// those behind the one under way if there is `time` for that.
     pub(super) fn judge_moving(&mut self, moment: &Moment, time: bool) -> bool {
-        let Outlook { hazards, futures, .. } = &moment.outlook;
-        if futures.is_empty() {
-            return false;
-        }
+        let hazards = &moment.outlook.hazards;
         if let Some(contact) = self.must_brake(moment) {
             if let Some(reason) = blocked(moment, hazards, contact) {
                 self.hold(moment, reason, false);
@@ -110,26 +112,27 @@ impl WatchedDrive {
     }
 
     /// What the robot would come too near to if it braked only after the next judgement, and is better braked for
-    /// now. What goes ahead of it may stop at any moment.
+    /// now. What goes ahead of it may stop at any moment, and a newcomer may come at it.
     fn must_brake(&self, moment: &Moment) -> Option<Contact> {
         let demand = Demand { sure: f64::INFINITY, ..self.kept(moment) };
         let Outlook { futures, rollout, place, .. } = &moment.outlook;
+        let seen = moment.outlook.seen();
         let stopped = futures.iter().map(Future::stopped);
-        let all: Vec<Future> = futures.iter().cloned().chain(stopped).collect();
+        let all: Vec<Future> = seen.iter().cloned().chain(stopped).collect();
         let held_from =
             |time: f64| rollout.course((*place, Pace(1.0)), [time, f64::INFINITY], &all, demand);
         let contact = held_from(NEXT).contact?;
         let better_held = held_from(f64::INFINITY).gap <= held_from(REACTION).gap;
-        better_held.then_some(Contact { future: contact.future % futures.len(), ..contact })
+        better_held.then_some(Contact { future: contact.future % seen.len(), ..contact })
     }
 
     /// Whether a robot that is held may go on along its legs.
     pub(super) fn may_go(&self, moment: &Moment) -> bool {
         let demand = self.kept(moment);
-        let Outlook { rollout, place, futures, .. } = &moment.outlook;
+        let Outlook { rollout, place, .. } = &moment.outlook;
         let on = moment.outlook.course(0.0, [f64::INFINITY; 2], demand);
         on.contact.is_none_or(|contact| contact.time > LEFT_OPEN)
-            && has_room(rollout, *place, futures, demand)
+            && has_room(rollout, *place, &moment.outlook.seen(), demand)
     }
 
     /// The legs to begin with at rest, where `route` is the way among what stands; else why the robot rather
@@ -237,6 +240,11 @@ impl WatchedDrive {
 }
 
 impl Outlook {
+    /// What moves, then newcomers, as `hazards` lists them.
+    fn seen(&self) -> Vec<Future> {
+        self.futures.iter().chain(&self.newcomers).cloned().collect()
+    }
+
     fn course(&self, pace: f64, held: [f64; 2], demand: Demand) -> Course {
         self.rollout.course((self.place, Pace(pace)), held, &self.futures, demand)
     }

@@ -138,3 +138,20 @@ fn a_stop_during_a_pause_ends_the_drive() {
     assert!(last.0 < 3.0 + STOP_TIMEOUT.as_secs_f64(), "the robot has confirmed it: {last:?}");
     assert!(last.1.distance(held) < 1e-3, "it has not moved: {last:?} {held:?}");
 }
+
+/// It appears beside the way, nearer than a walker gets while the robot brakes, and does not move.
+#[test]
+fn a_newcomer_beside_the_way_is_waited_for_until_it_is_known() {
+    let rect = Rect::new(0.95, 0.68, 1.05, 0.78);
+    let story = drive(Some((1.5, rect)), |_| Wish::Drive);
+    let end = story.result.as_ref().unwrap();
+    assert!(end.position.distance(Point::new(1.7, 0.5)) < 0.005, "{end:?}");
+    let held = story.events.iter().find(|(_, event)| matches!(event, WatchEvent::Held(_)));
+    let (held, _) = held.unwrap();
+    assert!((1.5..1.5 + LATENCY).contains(held), "{:?}", story.events);
+    let resumed = |event: &WatchEvent| matches!(event, WatchEvent::Resumed { .. });
+    let (resumed, _) = story.events.iter().find(|(_, event)| resumed(event)).unwrap();
+    // Five frames make it known.
+    assert!((0.2..0.8).contains(&(resumed - held)), "{:?}", story.events);
+    assert_eq!(story.drive.statistics().waits, 1);
+}
