@@ -280,7 +280,8 @@ fn a_robot_that_pauses_waits_for_what_the_host_makes_of_refused_poses() {
     for _ in 0..4 {
         let far = camera_pose(&mut client, 1.0);
         assert!(client.send(Command::SetPose(far)));
-        wait(&mut client, 20);
+        let refused = Report::PoseRefused { ticks: far.ticks, reason: PoseRefusal::Implausible };
+        assert!(wait(&mut client, 20).contains(&refused));
     }
     assert_eq!(client.telemetry().unwrap().state, State::Paused(PauseReason::Command));
 }
