@@ -41,6 +41,10 @@ const SHORT: f64 = 5.0;
 /// the width, 2 A / l for a strip of area A whose outline has the length l.
 pub(crate) fn fit(contour: &[Point], tolerance: f64) -> Option<FittedShape> {
     let tolerance = tolerance.min(width(contour) / 2.0);
+    // What lies flat on the arena's border encloses nothing.
+    if tolerance <= 0.0 {
+        return None;
+    }
     let disc = disc(contour, tolerance);
     let shape = match disc {
         Some(disc) => Shape::Circle(disc),
@@ -89,10 +93,7 @@ fn disc(contour: &[Point], tolerance: f64) -> Option<Circle> {
 }
 
 fn polygon(contour: &[Point], tolerance: f64) -> Option<Polygon> {
-    let corners = corners(contour, tolerance);
-    if !(3..=MOST_CORNERS).contains(&corners.len()) {
-        return None;
-    }
+    let corners = corners(contour, tolerance).filter(|corners| corners.len() >= 3)?;
     let count = corners.len();
     let edges: Vec<Edge> = (0..count)
         .map(|index| {
@@ -155,17 +156,16 @@ fn between(contour: &[Point], from: usize, to: usize) -> Vec<Point> {
 }
 
 /// The indices of corners such that no point of the closed contour is further than `tolerance` from the
-/// straight line between its two corners (Douglas and Peucker, 1973).
-fn corners(contour: &[Point], tolerance: f64) -> Vec<usize> {
+/// straight line between its two corners (Douglas and Peucker, 1973); `None` if that asks for more than
+/// [`MOST_CORNERS`], or if the contour is one point.
+fn corners(contour: &[Point], tolerance: f64) -> Option<Vec<usize>> {
     let count = contour.len();
     let furthest = |from: Point| {
         (0..count).max_by(|&a, &b| from.distance(contour[a]).total_cmp(&from.distance(contour[b])))
     };
     // The two ends of the longest way across: both are corners of any polygon that fits.
-    let Some(first) = contour.first().and_then(|&point| furthest(point)) else { return vec![] };
-    let Some(second) = furthest(contour[first]).filter(|&second| second != first) else {
-        return vec![];
-    };
+    let first = furthest(*contour.first()?)?;
+    let second = furthest(contour[first]).filter(|&second| second != first)?;
     let mut kept = vec![first, second];
     let mut open = vec![(first, second), (second, first)];
     while let Some((from, to)) = open.pop() {
@@ -177,13 +177,16 @@ fn corners(contour: &[Point], tolerance: f64) -> Vec<usize> {
             && square_to_leg(*point, a, b) > tolerance * tolerance
         {
             let middle = (from + step) % count;
+            if kept.len() == MOST_CORNERS {
+                return None;
+            }
             kept.push(middle);
             open.extend([(from, middle), (middle, to)]);
         }
     }
     // In the order of the contour, beginning anywhere.
     kept.sort_unstable();
-    kept
+    Some(kept)
 }
 
 /// A line through a point in a direction.
@@ -290,6 +293,19 @@ mod tests {
         let fitted = fit(&drawn(&ell, 0.001), 0.003).unwrap();
         assert!((fitted.shape.area() - 0.06).abs() < 0.0005, "{}", fitted.shape.area());
         assert!(!fitted.shape.contains(Point::new(0.25, 0.2)));
+    }
+
+    #[test]
+    fn what_encloses_nothing_or_has_too_many_corners_has_no_shape() {
+        // Back and forth on the border, once with a rounding error.
+        let flat = [0.0114, 0.03, 0.0761, 0.05].map(|x| Point::new(x, 0.0));
+        assert_eq!(fit(&flat, 0.003), None);
+        let mut rounded = flat;
+        rounded[2].y = 1e-19;
+        assert_eq!(fit(&rounded, 0.003), None);
+        let comb: Vec<[f64; 2]> =
+            (0..80).map(|i| [0.01 * f64::from(i), 0.02 * f64::from(i % 2)]).collect();
+        assert_eq!(fit(&drawn(&comb, 0.0), 0.003), None);
     }
 
     proptest! {
