@@ -193,6 +193,19 @@ pub enum VisionError {
         /// Which side.
         side: Side,
     },
+    /// What looks like the arena is so small in the photo that it may be a box or a card.
+    #[error(
+        "what looks like the border encloses only {:.0} % of the photo, fewer than {:.0} %: it may be a box or a card",
+        100.0 * .share,
+        100.0 * .needed
+    )]
+    #[diagnostic(help("cut the photo closer to the arena, or give --corners"))]
+    SmallBorder {
+        /// The share of the photo that lies inside.
+        share: f64,
+        /// The share that is needed.
+        needed: f64,
+    },
     /// Pictures by one camera have one size.
     #[error("photo {photo} has {} x {} pixels, the first has {} x {}", .other[0], .other[1], .first[0], .first[1])]
     #[diagnostic(help("calibrate with photos by one camera at one setting"))]

@@ -22,6 +22,8 @@ const MOST_SCORE: f64 = 1.0 + 1e-9;
 const SURE_SCORE: f64 = 0.93;
 /// Beside each side so much of the picture's longer side is seen: else the picture was cut there.
 const LEAST_BESIDE: f64 = 0.006;
+/// What encloses less of the photo may be a card or the top of a box with the arena's ratio.
+const LEAST_ENCLOSED: f64 = 0.15;
 /// How much a candidate's edges and size count beside the share of its profiles.
 const RANK_WEIGHT: f64 = 1.2;
 /// A rectangle around another counts if it scores no less than that by more than this.
@@ -35,7 +37,7 @@ const MOST_MISFIT: f64 = 10.0;
 ///
 /// # Errors
 /// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`], [`VisionError::Origin`],
-/// [`VisionError::OutOfView`] or [`VisionError::AtTheEdge`], with what was measured.
+/// [`VisionError::OutOfView`], [`VisionError::AtTheEdge`] or [`VisionError::SmallBorder`], with what was measured.
 pub(crate) fn find(
     photo: &Photo,
     small: &Photo,
@@ -165,11 +167,17 @@ fn odd_ratio(small: &Photo, arena: Arena, quad: &Quad) -> Option<f64> {
     Viewpoint::side_ratio(small, &border.map).filter(|_| odd && border.score >= CLEAR_SCORE)
 }
 
-/// A border of which more is seen than its inside: beside each side there is something else in the picture.
+/// A border of which more is seen than its inside, and that is no small thing: beside each side there is
+/// something else in the picture.
 fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, VisionError> {
     let corners = border.map.seen_corners(arena);
     if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
         return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
+    }
+    let all = (photo.width() * photo.height()) as f64;
+    let share = enclosed(corners) / all;
+    if share < LEAST_ENCLOSED {
+        return Err(VisionError::SmallBorder { share, needed: LEAST_ENCLOSED });
     }
     let beside = LEAST_BESIDE * photo.width().max(photo.height()) as f64;
     for side in Side::ALL {
@@ -182,6 +190,13 @@ fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, Vision
         }
     }
     Ok(border)
+}
+
+/// The area of a quadrilateral, square pixels.
+fn enclosed(corners: [[f64; 2]; 4]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let doubled: f64 = corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
+    doubled.abs() / 2.0
 }
 
 /// Whether an arena of that size is possible.

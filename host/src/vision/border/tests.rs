@@ -68,6 +68,22 @@ fn turned(angle: f64, size: f64) -> Corners {
     })
 }
 
+/// A dark card with the arena's ratio on a white floor that fills the picture.
+#[test]
+fn a_small_card_is_no_arena_and_a_sheet_of_a_quarter_of_the_picture_is() {
+    let card = drawn(turned(0.3, 0.5), sheet(60.0, 220.0));
+    let refused = search(&card, ARENA).unwrap_err();
+    // 480 x 360 pixels by a half, of 640 x 480.
+    let share = 0.25 * 480.0 * 360.0 / (640.0 * 480.0);
+    assert!(
+        matches!(refused, VisionError::SmallBorder { share: told, .. } if (told - share).abs() < 0.01),
+        "{refused:?}"
+    );
+    let quarter = turned(0.3, 0.68);
+    let found = search(&drawn(quarter, sheet(60.0, 220.0)), ARENA).unwrap();
+    assert!(error(found, quarter) < CORNER_TOLERANCE);
+}
+
 #[test]
 fn sheets_are_found_on_lighter_and_darker_ground() {
     for (floor, ground) in
