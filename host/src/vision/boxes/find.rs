@@ -35,9 +35,11 @@ const SHOWN_WEIGHT: f32 = 0.03;
 const LEAST_SHADE: f64 = 0.002;
 /// The share of all shadow that a lamp may leave unexplained.
 const MOST_LEFT: f32 = 0.25;
-/// Shadow that leaves less light than a third (natural logarithm) is more likely the colour of things: a lamp must
+/// Shadow that leaves less light than two fifths (natural logarithm) is more likely the colour of things: a lamp must
 /// explain nearly all of it.
-const DEEP_SHADOW: f32 = 1.1;
+const DEEP_SHADOW: f32 = 0.92;
+/// The share of it that may be left.
+const MOST_DEEP_LEFT: f32 = 0.15;
 /// Another reading of shadow is taken if it leaves less than this share unexplained.
 const CLEARLY: f32 = 0.9;
 
@@ -119,7 +121,7 @@ pub(crate) fn find(
     look.floor.shadow = shadow;
     let picture = Picture { photo, map, look: &look, robot, viewpoint };
     let is_deep = shadow.is_some_and(|shadow| shadow.offset[0] < -DEEP_SHADOW);
-    let is_cast = !is_deep || first.shade_left(&evidence) < MOST_LEFT;
+    let is_cast = !is_deep || first.shade_left(&evidence) < MOST_DEEP_LEFT;
     if first.lamp.is_some() && is_cast || shaded_area(&evidence) < LEAST_SHADE {
         return picture.settle(first, &evidence, true);
     }
