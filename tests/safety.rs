@@ -286,6 +286,30 @@ fn a_robot_that_pauses_waits_for_what_the_host_makes_of_refused_poses() {
     assert_eq!(client.telemetry().unwrap().state, State::Paused(PauseReason::Command));
 }
 
+#[test]
+fn a_robot_that_pauses_stands_while_its_camera_corrects_it_and_goes_on_from_there() {
+    let mut client = driving();
+    assert!(client.send(Command::Pause));
+    // From 0.4 m/s at 0.8 m/s² it rests after half a second.
+    wait(&mut client, 200);
+    let rests = client.port_mut().truth().pose;
+    for dx in [0.01, -0.01, 0.02, 0.0, 0.02] {
+        let seen = camera_pose(&mut client, dx);
+        assert!(client.send(Command::SetPose(seen)));
+        assert_eq!(wait(&mut client, 100), []);
+        assert!((client.telemetry().unwrap().pose.x.0 - seen.pose.x.0).abs() < 1e-3, "taken");
+        let TruePose { x, y, heading } = client.port_mut().truth().pose;
+        // Less than an encoder's count.
+        let moved = (x - rests.x).hypot(y - rests.y) + 0.06 * (heading - rests.heading).abs();
+        assert!(moved < 1e-4, "{moved} m at {dx}");
+    }
+    assert!(client.send(Command::Resume));
+    wait(&mut client, 2000);
+    assert_eq!(client.telemetry().unwrap().state, State::Idle);
+    // It took itself to be 20 mm further than it was.
+    assert!((client.port_mut().truth().pose.x - 1.98).abs() < 2e-3);
+}
+
 fn connected(flash: Flash) -> Client {
     let base = WheeledBase::new(BaseParameters::seeded(1), TruePose::default());
     let robot = InProcess::with_flash(Parameters::default(), 1, flash);

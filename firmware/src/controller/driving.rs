@@ -132,6 +132,10 @@ impl Controller {
             Activity::Settling { goal, .. } => {
                 tracker::correct(Twist::default(), *goal, pose, gains)
             }
+            // Held on its path the robot stands: what a camera corrects meanwhile is made up for when it goes on.
+            Activity::Leg(_) if self.pace.value() == 0.0 && self.target_pace() == 0.0 => {
+                Twist::default()
+            }
             Activity::Leg(runner) => {
                 let planned = self.pace.scale(runner.twist());
                 tracker::correct(planned, runner.reference(), pose, gains)
