@@ -5,7 +5,7 @@ use hil_sim::in_process::InProcess;
 use hil_sim::simulation::Simulation;
 use std::time::{Duration, Instant};
 use wmr::dynamic::{Demand, DynamicArena, Future, Quest};
-use wmr::geometry::{Point, Pose, Rect};
+use wmr::geometry::{Arena, Point, Pose, Rect};
 use wmr::legs::{DEFAULT_LIMITS, LegOptions, duration};
 use wmr::link::LinkClient;
 use wmr::link::drive::{POLL_INTERVAL, Wish};
@@ -29,6 +29,8 @@ const FRAME: f64 = 0.1;
 const LATE: f64 = 0.1;
 const ERROR: f64 = 0.005;
 const LOST: f64 = 0.02;
+/// What reaches over the border is shown as far as it is inside, if that is so wide, m.
+const SHOWS: f64 = 0.01;
 /// A robot that has moved and turned no more within this time rests: corrections of its pose make it twitch.
 const WITHIN: f64 = 0.1;
 const MOVED: f64 = 1e-3;
@@ -248,8 +250,12 @@ impl<'a> Task<'a> {
     }
 }
 
+fn bounds(at: Point) -> Rect {
+    Rect::new(at.x - HALF, at.y - HALF, at.x + HALF, at.y + HALF)
+}
+
 fn footprint(at: Point) -> Shape {
-    Rect::new(at.x - HALF, at.y - HALF, at.x + HALF, at.y + HALF).into()
+    bounds(at).into()
 }
 
 /// A camera over the floor, which also notes what really happens.
@@ -260,7 +266,7 @@ struct Camera<'a> {
     began: f64,
     random: fastrand::Rng,
     frames: u32,
-    arena: wmr::geometry::Arena,
+    arena: Arena,
     poses: Vec<(f64, Pose)>,
     touches: bool,
     contacts: u32,
@@ -289,18 +295,17 @@ impl<'a> Camera<'a> {
 
     /// What a frame shows.
     fn shown(&mut self, time: f64) -> Vec<wmr::scene::Obstacle> {
-        let inside = Rect::new(0.0, 0.0, self.arena.width, self.arena.height);
-        let there: Vec<Point> = self
-            .tracks
-            .iter()
-            .map(|track| track.at(self.began + time))
-            .filter(|at| self.sees && inside.contains(*at))
-            .collect();
+        let Arena { width, height } = self.arena;
+        let there: Vec<Point> =
+            self.tracks.iter().map(|track| track.at(self.began + time)).collect();
         let seen = |at: Point| {
             let at = Point::new(at.x + self.noise(ERROR), at.y + self.noise(ERROR));
-            footprint(at).into()
+            let Rect { x0, y0, x1, y1 } = bounds(at);
+            let seen = Rect::new(x0.max(0.0), y0.max(0.0), x1.min(width), y1.min(height));
+            let shows = self.sees && seen.x1 - seen.x0 > SHOWS && seen.y1 - seen.y0 > SHOWS;
+            shows.then(|| seen.into())
         };
-        there.into_iter().map(seen).collect()
+        there.into_iter().filter_map(seen).collect()
     }
 
     /// Notes where the robot is, and whether it touches something while it moves.
