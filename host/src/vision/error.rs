@@ -195,7 +195,7 @@ pub enum VisionError {
     },
     /// What looks like the arena is so small in the photo that it may be a box or a card.
     #[error(
-        "what looks like the border encloses only {:.0} % of the photo, fewer than {:.0} %: it may be a box or a card",
+        "what looks like the border encloses only {:.0} % of the photo, less than {:.0} %: it may be a box or a card",
         100.0 * .share,
         100.0 * .needed
     )]
