@@ -17,35 +17,36 @@ use crate::vision::camera::border_fit::{self, Fit, Search, Terms};
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
 
-/// It counts if it lies this many pixels from the step of light, at a width of 640.
+/// It counts if it lies this many pixels from the step of light, at a longer side of 640.
 const COLOUR_SHIFT: f64 = 1.2;
 /// A difference between cameras' misfits that tells, squared standard deviations.
 const CLEAR_GAIN: f64 = 1.2;
-/// Reaches of the search for a wall's foot, pixels at a width of 640.
+/// Reaches of the search for a wall's foot, pixels at a longer side of 640.
 const FOOT_REACH: [f64; 3] = [3.0, 2.0, 2.0];
-/// The border is found when its corners move by less than this, pixels at a width of 640.
+/// The border is found when its corners move by less than this, pixels at a longer side of 640.
 const SETTLED: f64 = 0.05;
-/// Shrinking reaches of the search for steps, pixels at a width of 640.
+/// Shrinking reaches of the search for steps, pixels at a longer side of 640.
 const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
 const FINE_REACH: [[f64; 3]; 3] = [[8.0, 5.0, 3.0], [5.0, 3.0, 2.0], [4.0, 2.5, 2.0]];
 /// The same for a border that was found in a reduced photo, pixels of that.
 const FULL_REACH: [f64; 2] = [2.5, 2.0];
-/// The same where three sides predict the fourth, pixels at a width of 640.
+/// The same where three sides predict the fourth, pixels at a longer side of 640.
 const PREDICTED_REACH: [f64; 2] = [3.0, 2.0];
 /// A squared standard deviation of misfit outweighs this share of the profiles.
 const MISFIT_WEIGHT: f64 = 0.05;
-/// How far to both sides of a line light is compared, pixels at a width of 640.
+/// How far to both sides of a line light is compared, pixels at a longer side of 640.
 const LINED_BESIDE: f64 = 3.0;
 /// Each of the lines shows on this share of its profiles, and floor lies inside it, at these distances, pixels at a
-/// width of 640.
+/// longer side of 640.
 const LEAST_SHARE: f64 = 0.45;
 const INSIDE: [f64; 2] = [2.0, 6.0];
 /// The lines themselves are the border if they are better by this than where the floor's colour ends.
 const LINED_GAIN: f64 = 0.05;
 /// Misfits beyond this are all alike.
 const MOST_MISFIT: f64 = 10.0;
-/// Radial coefficients of lenses that pictures of arenas are taken with.
-const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.08;
+/// Radial coefficients of lenses that pictures of arenas are taken with, for half of the picture's longer side: wide
+/// lenses bend sides outward, hardly any inward. The sides of a cloth that hangs together in folds bend inward by more.
+const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.045;
 /// The lens is accepted if it brings the residual below this share of that without.
 const LENS_GAIN: f64 = 0.93;
 
@@ -243,9 +244,9 @@ fn settle(
     Some(Border { map, ..Border::of(fit, change, by) })
 }
 
-/// How much wider a photo is than those that lengths in pixels are stated for.
+/// How much larger a photo is than those that lengths in pixels are stated for.
 fn zoom(photo: &Photo) -> f64 {
-    (photo.width() as f64 / 640.0).max(1.0)
+    (photo.longer_side() / 640.0).max(1.0)
 }
 
 /// How far the farthest corner of two maps is apart, pixels.
@@ -285,7 +286,7 @@ fn refine(
             let steps = border_fit::steps(photo, &map, arena, &Search { reach, change }, stride);
             let terms = Terms { width: reach, lens, stride, without, camera };
             let fit = border_fit::fit(photo, arena, &map, &steps, terms)
-                .filter(|fit| near(start, &fit.map, arena, reaches));
+                .filter(|fit| near(photo, arena, (start, &fit.map), reaches));
             let Some(fit) = fit else {
                 last = None;
                 break;
@@ -306,9 +307,15 @@ fn refine(
 }
 
 /// Whether a fitted map is still the candidate's: its corners lie where steps were searched for, its lens is one.
-fn near(start: &PlanMap, fitted: &PlanMap, arena: Arena, reaches: &[f64]) -> bool {
+fn near(
+    photo: &Photo,
+    arena: Arena,
+    (start, fitted): (&PlanMap, &PlanMap),
+    reaches: &[f64],
+) -> bool {
+    let lens = fitted.radial() * (photo.longer_side() / photo.width() as f64).powi(2);
     let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
-    farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&fitted.radial())
+    farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&lens)
 }
 
 /// The map with those sides moved whose floor ends elsewhere by its colour than by its light, if any.
@@ -393,6 +400,29 @@ mod tests {
         for (found, y) in border.map.seen_corners(arena).into_iter().zip([199.5, 199.5, 39.5, 39.5])
         {
             assert!((found[1] - y).abs() < 1.0, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_cloth_whose_sides_bend_inward_is_not_seen_through_a_lens() {
+        // All sides but the lower bend inward by 5 pixels.
+        let pixels = (0..640 * 480).map(|i| {
+            let (x, y) = ((i % 640) as f64, (i / 640) as f64);
+            let bend = |share: f64| 5.0 * (1.0 - (2.0 * share - 1.0).powi(2));
+            let (across, down) = ((x - 79.5) / 480.0, (y - 79.5) / 320.0);
+            let cloth = x > 79.5 + bend(down)
+                && x < 559.5 - bend(down)
+                && y > 79.5 + bend(across)
+                && y < 399.5;
+            if cloth { [225; 3] } else { [110; 3] }
+        });
+        let photo = Photo::from_rgb(640, 480, pixels.collect()).unwrap();
+        let arena = Arena { width: 1.5, height: 1.0 };
+        let corners = [[79.5, 399.5], [559.5, 399.5], [559.5, 79.5], [79.5, 79.5]];
+        let found = find(&photo, arena, corners).unwrap().map;
+        // A lens that bends straight sides so leaves the straight one 5 pixels outside of the cloth.
+        for [x, y] in found.seen_corners(arena) {
+            assert!((78.5..560.5).contains(&x) && (78.5..400.5).contains(&y), "{x} {y}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The light across the four sides of a border: how it changes there, and what lies beside.
 //!
-//! Medians over many places of a side, so that boxes on it do not count. Lengths are pixels at a width of 640,
+//! Medians over many places of a side, so that boxes on it do not count. Lengths are pixels at a longer side of 640,
 //! `zoom` times as many in wider pictures; light is linear.
 
 use crate::geometry::{Arena, PerSide, Side};
@@ -12,7 +12,7 @@ use crate::vision::image::Photo;
 /// Places on a side where the light is compared.
 const PLACES: usize = 40;
 /// Lines along which edges in company of the border are searched for: their distance and how far to both sides of each
-/// light is compared, pixels at a width of 640.
+/// light is compared, pixels at a longer side of 640.
 const SCAN_STEP: f64 = 0.5;
 const SCAN_BESIDE: f64 = 1.5;
 /// How many lines the greatest change may lie from the map, and how many from that one others count.
@@ -96,7 +96,7 @@ fn change(
 
 /// For each side the greatest change of light at it, as a share of the greatest near it.
 pub(crate) fn shown(photo: &Photo, map: &PlanMap, arena: Arena) -> PerSide<f64> {
-    let zoom = (photo.width() as f64 / 640.0).max(1.0);
+    let zoom = (photo.longer_side() / 640.0).max(1.0);
     PerSide::from_fn(|side| {
         let changes = scan(photo, map, arena, side, (SCAN_AROUND, zoom));
         let greatest = |changes: &[f32]| changes.iter().copied().fold(0.0, f32::max);

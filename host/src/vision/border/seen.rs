@@ -8,7 +8,7 @@ use crate::geometry::{Arena, Side};
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
 
-/// How far to both sides of a side brightness is compared, pixels at a width of 640.
+/// How far to both sides of a side brightness is compared, pixels at a longer side of 640.
 const BESIDE: f64 = 6.0;
 /// Ground that is as bright as the floor to this, a natural logarithm, is hard to tell from it.
 const ALIKE: f64 = 0.35;
@@ -29,7 +29,7 @@ pub struct SeenBorder {
 impl SeenBorder {
     pub(super) fn of(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Self> {
         let map = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
-        let zoom = (photo.width() as f64 / 640.0).max(1.0);
+        let zoom = (photo.longer_side() / 640.0).max(1.0);
         let shares = light::ground(photo, &map, arena, BESIDE * zoom);
         let alike = |share: &f64| share.max(f64::MIN_POSITIVE).ln().abs();
         let (side, &ground) = shares.iter().min_by(|a, b| alike(a.1).total_cmp(&alike(b.1)))?;

@@ -12,7 +12,7 @@ use super::solve::{Solution, solve, starts};
 use crate::geometry::{Arena, Point, Side};
 use crate::vision::camera::{FOCAL_SPREAD, USUAL_FOCAL};
 
-/// How far the principal point usually lies from the picture's centre, a share of the picture's width.
+/// How far the principal point usually lies from the picture's centre, a share of the picture's longer side.
 const CENTRE_SPREAD: f64 = 0.01;
 /// How far the radial coefficient usually lies from 0.
 const RADIAL_SPREAD: f64 = 0.2;
@@ -22,7 +22,7 @@ pub(super) const HEIGHT_SPREAD: f64 = 0.01;
 const GIVEN_FOCAL_SPREAD: f64 = 0.005;
 /// A tape measure tells the arena's sides to this, metres.
 const SIDE_TAPE: f64 = 0.001;
-/// How far off a side is that was mistaken, and how much farther at its ends, pixels at a width of 640.
+/// How far off a side is that was mistaken, and how much farther at its ends, pixels at a longer side of 640.
 const MISTAKEN_SHIFT: f64 = 4.0;
 const MISTAKEN_SLANT: f64 = 0.5;
 /// How often a side is mistaken that lies alone, and one that has company, a share of its own change of light:
@@ -100,17 +100,18 @@ fn problem<'a>(
     mistaken: Option<Side>,
 ) -> Option<Problem<'a>> {
     let [width, height] = views.first()?.first()?.size.map(|count| count as f64);
-    let zoom = (width / 640.0).max(1.0);
+    let longer = width.max(height);
+    let zoom = (longer / 640.0).max(1.0);
     let (focal, spread) = match known {
         KnownOfCamera { focal: Some(focal), .. } => (focal, GIVEN_FOCAL_SPREAD),
         // A height tells the focal length better than any usual one, of long lenses too.
-        KnownOfCamera { height: Some(_), .. } => (USUAL_FOCAL * width, 10.0 * FOCAL_SPREAD),
-        _ => (USUAL_FOCAL * width, FOCAL_SPREAD),
+        KnownOfCamera { height: Some(_), .. } => (USUAL_FOCAL * longer, 10.0 * FOCAL_SPREAD),
+        _ => (USUAL_FOCAL * longer, FOCAL_SPREAD),
     };
     let centre = |axis, length: f64| Prior {
         unknown: Unknown::Centre(axis),
         value: (length - 1.0) / 2.0,
-        spread: CENTRE_SPREAD * width,
+        spread: CENTRE_SPREAD * longer,
     };
     let mut priors = vec![
         Prior { unknown: Unknown::LogFocal, value: focal.ln(), spread },

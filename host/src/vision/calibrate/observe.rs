@@ -7,21 +7,21 @@ use crate::vision::camera::border_fit::{self, Search, Terms, side_point};
 use crate::vision::error::VisionError;
 use crate::vision::image::{Photo, check_overview};
 
-/// How far from the border that was found a step of light belongs to it, pixels at a width of 640.
+/// How far from the border that was found a step of light belongs to it, pixels at a longer side of 640.
 const REACH: f64 = 2.5;
-/// With corners given by hand, steps are searched for within these shrinking distances, pixels at a width of 640:
+/// With corners given by hand, steps are searched for within these shrinking distances, pixels at a longer side of 640:
 /// lenses bend sides by some pixels.
 const NEAR_CORNERS: [f64; 3] = [6.0, 4.0, 2.5];
-/// A step of light is good to this, and a corner that a person points at to this, pixels at a width of 640.
+/// A step of light is good to this, and a corner that a person points at to this, pixels at a longer side of 640.
 const STEP_NOISE: f64 = 0.4;
 const POINTED_NOISE: f64 = 0.7;
-/// A side's end as a whole is where it was found to this, pixels at a width of 640. Where a person points at the
+/// A side's end as a whole is where it was found to this, pixels at a longer side of 640. Where a person points at the
 /// corners the edge that looks strongest need not be the right one, if it has more company than this: it then
 /// tells the lens alone.
 const SIDE_BLUR: f64 = 0.3;
 const SIDE_BLUR_BY_HAND: f64 = 4.0;
 const LONELY: f64 = 0.1;
-/// How far inside and outside of the border the light is compared, pixels at a width of 640.
+/// How far inside and outside of the border the light is compared, pixels at a longer side of 640.
 const BESIDE: f64 = 2.5;
 /// How far along a side its direction is taken from, a share of its length.
 const ALONG_STEP: f64 = 1e-3;
@@ -97,7 +97,7 @@ impl ObservedBorder {
         check_arena(arena)?;
         let small = photo.reduced(photo.overview_factor());
         check_overview(&small)?;
-        let zoom = (photo.width() as f64 / 640.0).max(1.0);
+        let zoom = (photo.longer_side() / 640.0).max(1.0);
         let map = match corners {
             Some(corners) => near(photo, arena, corners, zoom)?,
             None => border::find(photo, &small, arena, None)?.map,

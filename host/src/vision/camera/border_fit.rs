@@ -14,7 +14,7 @@ use nalgebra::SVector;
 
 /// Profiles on each side of the arena.
 pub(crate) const PLACES: usize = 80;
-/// A step this close to the map, as a share of the picture's width, shows that the map is right.
+/// A step this close to the map, as a share of the picture's longer side, shows that the map is right.
 const FITTING_SHARE: f64 = 0.0015;
 /// Profiles keep this share of a side away from the corners.
 const CORNER_SHARE: f64 = 0.02;
@@ -148,7 +148,7 @@ pub(crate) fn fit(
             sum += distance * distance;
             count += 1;
         }
-        if distance.abs() < FITTING_SHARE * photo.width() as f64 {
+        if distance.abs() < FITTING_SHARE * photo.longer_side() {
             shares[step.side] += terms.stride as f64 / PLACES as f64;
         }
     }

@@ -10,8 +10,8 @@ use crate::geometry::{Arena, Point};
 use crate::vision::image::Photo;
 use nalgebra::{Matrix3, Vector3};
 
-/// The usual focal length in widths of the picture, and its standard deviation as a natural logarithm: 19 of
-/// 20 lenses have 0.6 to 2 widths.
+/// The usual focal length in longer sides of the picture, and its standard deviation as a natural logarithm: 19 of
+/// 20 lenses have 0.6 to 2 of them.
 pub(crate) const USUAL_FOCAL: f64 = 1.05;
 pub(crate) const FOCAL_SPREAD: f64 = 0.3;
 /// How far the columns' angle (radians) and ratio of lengths may be off.
@@ -74,10 +74,8 @@ impl Viewpoint {
     /// condition that a wrong quadrilateral hardly ever meets.
     pub(crate) fn misfit(photo: &Photo, map: &PlanMap) -> f64 {
         let homography = map.centred_homography();
-        let width = photo.width() as f64;
-        focal_lengths()
-            .map(|focal| misfit(&homography, focal * width))
-            .fold(f64::INFINITY, f64::min)
+        let side = photo.longer_side();
+        focal_lengths().map(|focal| misfit(&homography, focal * side)).fold(f64::INFINITY, f64::min)
     }
 
     /// The same for an arena whose stated size is as exact as people measure.
@@ -88,9 +86,9 @@ impl Viewpoint {
     /// How a map differs from that of any camera that sees the stated arena, with whatever focal length fits best.
     pub(crate) fn stated_fit(photo: &Photo, map: &PlanMap) -> StatedFit {
         let homography = map.centred_homography();
-        let width = photo.width() as f64;
+        let side = photo.longer_side();
         let fit = |focal: f64| {
-            let [angle, ratio] = of_columns(&homography, focal * width);
+            let [angle, ratio] = of_columns(&homography, focal * side);
             StatedFit { angle: angle * COLUMN_NOISE, ratio: ratio * COLUMN_NOISE }
         };
         let fits = focal_lengths().map(fit);
@@ -102,9 +100,9 @@ impl Viewpoint {
     /// no camera sees a rectangle so, whatever its ratio.
     pub(crate) fn side_ratio(photo: &Photo, map: &PlanMap) -> Option<f64> {
         let homography = map.centred_homography();
-        let width = photo.width() as f64;
+        let side = photo.longer_side();
         let off = |focal: f64| {
-            let [angle, ratio] = of_columns(&homography, focal * width);
+            let [angle, ratio] = of_columns(&homography, focal * side);
             (angle * COLUMN_NOISE / STATED_NOISE, ratio * COLUMN_NOISE)
         };
         let unusual = |focal: f64| (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD;
@@ -114,24 +112,24 @@ impl Viewpoint {
         (angle.abs() < MOST_ANGLE).then(|| ratio.exp())
     }
 
-    /// The conditions that a camera with a focal length (widths of the picture) and its axis through the
+    /// The conditions that a camera with a focal length (longer sides of the picture) and its axis through the
     /// picture's centre puts on a map, in standard deviations: the angle and the ratio of the columns, and
     /// that the focal length is a usual one.
     pub(crate) fn conditions(photo: &Photo, map: &PlanMap, focal: f64) -> [f64; 3] {
-        let [angle, ratio] = of_columns(&map.centred_homography(), focal * photo.width() as f64);
+        let [angle, ratio] = of_columns(&map.centred_homography(), focal * photo.longer_side());
         [angle, ratio, (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD]
     }
 
-    /// The focal length that meets a map's conditions best, widths of the picture.
+    /// The focal length that meets a map's conditions best, longer sides of the picture.
     pub(crate) fn likeliest_focal(photo: &Photo, map: &PlanMap) -> f64 {
         let homography = map.centred_homography();
-        let costs = focal_costs(&homography, photo.width() as f64);
+        let costs = focal_costs(&homography, photo.longer_side());
         costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(USUAL_FOCAL, |(_, focal)| focal)
     }
 
     /// The angle between straight down and the camera's axis, radians, with the focal length that fits best.
     pub(crate) fn tilt(photo: &Photo, map: &PlanMap) -> f64 {
-        let focal = Self::likeliest_focal(photo, map) * photo.width() as f64;
+        let focal = Self::likeliest_focal(photo, map) * photo.longer_side();
         let [a, b, _] = columns(&map.centred_homography(), focal);
         let down = a.cross(&b);
         (down.z.abs() / down.norm().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).acos()
@@ -140,16 +138,16 @@ impl Viewpoint {
     /// The viewpoint that a map implies; `None` if no camera could have it.
     pub(crate) fn of(photo: &Photo, map: &PlanMap) -> Option<Self> {
         let homography = map.centred_homography();
-        let width = photo.width() as f64;
-        let costs: Vec<(f64, f64)> = focal_costs(&homography, width).collect();
+        let side = photo.longer_side();
+        let costs: Vec<(f64, f64)> = focal_costs(&homography, side).collect();
         let &(least, focal) = costs.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let [x, y, height] = centre(&homography, focal * width)?;
+        let [x, y, height] = centre(&homography, focal * side)?;
         let foot = Point::new(x, y);
         // The mean square distance of the foot points of all focal lengths, by how likely each is.
         let (mut sum, mut weights) = (0.0, 0.0);
         for (cost, focal) in costs {
             let weight = (0.5 * (least - cost)).exp();
-            if let Some([x, y, _]) = centre(&homography, focal * width) {
+            if let Some([x, y, _]) = centre(&homography, focal * side) {
                 sum += weight * foot.distance(Point::new(x, y)).powi(2);
                 weights += weight;
             }
@@ -158,15 +156,15 @@ impl Viewpoint {
     }
 }
 
-/// Focal lengths (widths of the picture), each after how unlikely it is for a homography.
-fn focal_costs(homography: &Matrix3<f64>, width: f64) -> impl Iterator<Item = (f64, f64)> {
+/// Focal lengths (longer sides of the picture), each after how unlikely it is for a homography.
+fn focal_costs(homography: &Matrix3<f64>, side: f64) -> impl Iterator<Item = (f64, f64)> {
     focal_lengths().map(move |focal| {
         let unusual = (focal / USUAL_FOCAL).ln() / FOCAL_SPREAD;
-        (misfit(homography, focal * width) + unusual.powi(2), focal)
+        (misfit(homography, focal * side) + unusual.powi(2), focal)
     })
 }
 
-/// Focal lengths that cameras have, widths of the picture.
+/// Focal lengths that cameras have, longer sides of the picture.
 fn focal_lengths() -> impl Iterator<Item = f64> {
     std::iter::successors(Some(FOCAL_RANGE.start), |focal| Some(focal * FOCAL_STEP))
         .take_while(|&focal| focal < FOCAL_RANGE.end)
@@ -236,6 +234,19 @@ mod tests {
         assert!(view.foot.distance(Point::new(0.6, 0.5)) < 0.05, "{view:?}");
         assert!((view.height - 2.8).abs() < 0.2, "{view:?}");
         assert!((Viewpoint::tilt(&photo, &map) - 0.18).abs() < 0.02);
+    }
+
+    #[test]
+    fn an_upright_picture_places_the_camera_where_the_turned_one_does() {
+        let (photo, map) = seen_from(Vector3::new(0.9, 0.8, 2.5), 0.05, 0.1);
+        let arena = Arena { width: 2.0, height: 1.5 };
+        let upright = Photo::from_rgb(480, 640, vec![[0; 3]; 480 * 640]).unwrap();
+        let corners = map.ideal_corners(arena).map(|[x, y]| [479.0 - y, x]);
+        let turned = PlanMap::from_corners(&upright, arena, corners, 0.0).unwrap();
+        let [seen, again] =
+            [(&photo, &map), (&upright, &turned)].map(|(p, m)| Viewpoint::of(p, m).unwrap());
+        assert!((seen.height - again.height).abs() < 1e-6, "{seen:?} {again:?}");
+        assert!(seen.foot.distance(again.foot) < 1e-6, "{seen:?} {again:?}");
     }
 
     #[test]

@@ -153,6 +153,11 @@ impl Photo {
         self.pixel_near(place).map(|code| self.linear[usize::from(code)])
     }
 
+    /// The longer of its sides, pixels: the same for one camera held upright or turned.
+    pub(crate) fn longer_side(&self) -> f64 {
+        self.width.max(self.height) as f64
+    }
+
     /// By what a photo is reduced for what needs no more than about 700 pixels a side.
     pub(crate) fn overview_factor(&self) -> usize {
         self.width.max(self.height).div_ceil(OVERVIEW_SIDE).max(1)
