@@ -206,6 +206,21 @@ pub enum VisionError {
         /// The share that is needed.
         needed: f64,
     },
+    /// One side of the border is mostly hidden, so that where it runs is a guess.
+    #[error(
+        "the arena's {side} side is seen on only {:.0} % of its length, {:.0} % is needed",
+        100.0 * .share,
+        100.0 * .needed
+    )]
+    #[diagnostic(help("clear that side, or give --corners"))]
+    HiddenSide {
+        /// The side.
+        side: Side,
+        /// The share of it that shows the border.
+        share: f64,
+        /// The share that is needed.
+        needed: f64,
+    },
     /// Pictures by one camera have one size.
     #[error("photo {photo} has {} x {} pixels, the first has {} x {}", .other[0], .other[1], .first[0], .first[1])]
     #[diagnostic(help("calibrate with photos by one camera at one setting"))]

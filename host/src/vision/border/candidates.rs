@@ -28,9 +28,7 @@ const SETTLED: f64 = 0.05;
 /// Shrinking reaches of the search for steps, pixels at a longer side of 640.
 const ROUGH_REACH: [f64; 3] = [9.0, 5.0, 3.0];
 const FINE_REACH: [[f64; 3]; 3] = [[8.0, 5.0, 3.0], [5.0, 3.0, 2.0], [4.0, 2.5, 2.0]];
-/// The same for a border that was found in a reduced photo, pixels of that.
-const FULL_REACH: [f64; 2] = [2.5, 2.0];
-/// The same where three sides predict the fourth, pixels at a longer side of 640.
+/// Reaches where three sides predict the fourth, pixels at a longer side of 640.
 const PREDICTED_REACH: [f64; 2] = [3.0, 2.0];
 /// A squared standard deviation of misfit outweighs this share of the profiles.
 const MISFIT_WEIGHT: f64 = 0.05;
@@ -52,7 +50,7 @@ const LENS_GAIN: f64 = 0.93;
 
 /// What leads the search for the border's steps.
 #[derive(Clone, Copy)]
-struct Guide {
+pub(super) struct Guide {
     /// The light's change from inside to outside on each side, if it is known.
     change: Option<Changes>,
     /// The side that does not count.
@@ -62,10 +60,10 @@ struct Guide {
 }
 
 /// The change of linear light from inside to outside on each side.
-type Changes = PerSide<[f32; 3]>;
+pub(super) type Changes = PerSide<[f32; 3]>;
 
 impl Guide {
-    fn by(change: Changes) -> Self {
+    pub(super) fn by(change: Changes) -> Self {
         Self { change: Some(change), without: None, camera: false }
     }
 }
@@ -75,33 +73,17 @@ impl Guide {
 pub(crate) struct Border {
     /// The map from floor to photo.
     pub(crate) map: PlanMap,
-    /// The share of profiles that show the border, 0 to 1: the mean over the sides.
-    pub(crate) score: f64,
+    /// The share of each side's profiles that show the border, 0 to 1.
+    pub(crate) shares: PerSide<f64>,
     /// The root mean square distance of the border's steps from the map, pixels.
     pub(crate) residual: f64,
     /// The change of linear light from inside to outside on each side.
-    change: Changes,
+    pub(super) change: Changes,
     /// By what the floor's end was told on each side.
-    by: PerSide<EndBy>,
+    pub(super) by: PerSide<EndBy>,
 }
 
 impl Border {
-    /// The border of a photo, found in its copy reduced by `factor`, to a fraction of the photo's pixels.
-    pub(crate) fn enlarged(self, photo: &Photo, arena: Arena, factor: usize) -> Option<Self> {
-        if factor == 1 {
-            return Some(self);
-        }
-        let factor = factor as f64;
-        let corners = self.map.seen_corners(arena).map(|pixel| enlarged(pixel, factor));
-        let map = PlanMap::from_seen_corners(photo, arena, corners, self.map.radial())?;
-        let reaches = FULL_REACH.map(|reach| reach * factor);
-        let Some(fine) = refine(photo, arena, &map, &reaches, Guide::by(self.change)) else {
-            return Some(Self { map, residual: factor * self.residual, ..self });
-        };
-        let score = fine.shares.values().iter().sum::<f64>() / 4.0;
-        Some(Self { map: fine.map, score, residual: fine.residual, ..self })
-    }
-
     /// The border with one side searched again where a camera that saw the others would see it, if that fits
     /// clearly better to a camera.
     fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
@@ -114,26 +96,35 @@ impl Border {
             settle(photo, arena, predicted.map, &floor, (self.by, true))
         };
         let misfit = |border: &Self| Viewpoint::misfit(photo, &border.map);
-        let value = |border: &Self| border.score - MISFIT_WEIGHT * misfit(border);
+        let value = |border: &Self| border.score() - MISFIT_WEIGHT * misfit(border);
         let found = Side::ALL.into_iter().filter_map(sought_anew);
         let better = found.filter(|border| misfit(border) + CLEAR_GAIN < before);
         better.max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
     fn of(fit: Fit, change: Changes, by: PerSide<EndBy>) -> Self {
-        let score = fit.shares.values().iter().sum::<f64>() / 4.0;
-        Self { map: fit.map, score, residual: fit.residual, change, by }
+        Self { map: fit.map, shares: fit.shares, residual: fit.residual, change, by }
+    }
+
+    /// The share of all profiles that show the border, 0 to 1.
+    pub(crate) fn score(&self) -> f64 {
+        seen(&self.shares)
     }
 
     /// How good a border it is: the share of the profiles that show it, less what no camera would see.
     fn value(&self, photo: &Photo) -> f64 {
-        self.score - MISFIT_WEIGHT * Viewpoint::misfit_as_stated(photo, &self.map).min(MOST_MISFIT)
+        value(photo, &self.map, &self.shares)
     }
 }
 
-/// The place in a photo of a pixel of its copy reduced by `factor`.
-fn enlarged(pixel: [f64; 2], factor: f64) -> [f64; 2] {
-    pixel.map(|value| (value + 0.5) * factor - 0.5)
+/// The share of all profiles that show a border.
+fn seen(shares: &PerSide<f64>) -> f64 {
+    shares.values().iter().sum::<f64>() / 4.0
+}
+
+/// The share of the profiles that show a border, less what no camera would see.
+pub(super) fn value(photo: &Photo, map: &PlanMap, shares: &PerSide<f64>) -> f64 {
+    seen(shares) - MISFIT_WEIGHT * Viewpoint::misfit_as_stated(photo, map).min(MOST_MISFIT)
 }
 
 /// Looks for the border from a candidate's corners; `None` if the floor does not end there.
@@ -269,7 +260,7 @@ fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: PerSide<f64>) -> Op
 }
 
 /// Fits the map to the steps found within shrinking reaches, with the lens if that fits better.
-fn refine(
+pub(super) fn refine(
     photo: &Photo,
     arena: Arena,
     start: &PlanMap,
@@ -296,7 +287,7 @@ fn refine(
         }
         let Some(fit) = last else { continue };
         let better = best.as_ref().is_none_or(|best| {
-            let gain = |fit: &Fit| fit.residual / fit.shares.values().iter().sum::<f64>().max(1e-6);
+            let gain = |fit: &Fit| fit.residual / seen(&fit.shares).max(1e-6);
             gain(&fit) < LENS_GAIN * gain(best)
         });
         if better {
@@ -338,7 +329,7 @@ fn by_colour(
     }
     let better = moved(photo, arena, map, shifts)?;
     let (before, after) = (Viewpoint::misfit(photo, map), Viewpoint::misfit(photo, &better));
-    if after + CLEAR_GAIN < before {
+    if after <= MOST_MISFIT && after + CLEAR_GAIN < before {
         return Some((better, sides.changes(shifts)));
     }
     // The top of a wall of one height all around is as good a rectangle as its foot: the inner one counts.
@@ -368,7 +359,7 @@ mod tests {
         let arena = Arena { width: 2.2, height: 1.6 };
         let outer = [[39.5, 209.5], [279.5, 209.5], [279.5, 29.5], [39.5, 29.5]];
         let border = find(&photo, arena, outer).unwrap();
-        assert!(border.score > 0.95 && border.residual < 0.1, "{border:?}");
+        assert!(border.score() > 0.95 && border.residual < 0.1, "{border:?}");
         for (found, expected) in border.map.seen_corners(arena).into_iter().zip([
             [49.5, 199.5],
             [269.5, 199.5],

@@ -18,6 +18,8 @@ const LEAST_CONTRAST: f64 = 8.0;
 const LEAST_SCORE: f64 = 0.5;
 /// Every profile shows the border; a little more than 1, since shares are summed up.
 const MOST_SCORE: f64 = 1.0 + 1e-9;
+/// The share of each side's profiles that must show it, at last.
+const LEAST_OF_SIDE: f64 = 0.45;
 /// With this share no other candidate is looked at.
 const SURE_SCORE: f64 = 0.93;
 /// Beside each side so much of the picture's longer side is seen: else the picture was cut there.
@@ -37,7 +39,8 @@ const MOST_MISFIT: f64 = 10.0;
 ///
 /// # Errors
 /// [`VisionError::NoContrast`], [`VisionError::NoBorder`], [`VisionError::OddBorder`], [`VisionError::Origin`],
-/// [`VisionError::OutOfView`], [`VisionError::AtTheEdge`] or [`VisionError::SmallBorder`], with what was measured.
+/// [`VisionError::OutOfView`], [`VisionError::AtTheEdge`], [`VisionError::HiddenSide`] or
+/// [`VisionError::SmallBorder`], with what was measured.
 pub(crate) fn find(
     photo: &Photo,
     small: &Photo,
@@ -111,31 +114,33 @@ impl Found {
     /// Whether what was found comes before a candidate, even if all of its border were seen.
     fn is_before(&self, quad: &Quad) -> bool {
         let most = MOST_SCORE + RANK_WEIGHT * quad.rank;
-        self.best.as_ref().is_some_and(|best| best.border.score > SURE_SCORE || best.value >= most)
+        self.best
+            .as_ref()
+            .is_some_and(|best| best.border.score() > SURE_SCORE || best.value >= most)
     }
 
     /// Looks for the border from a candidate.
     fn look(&mut self, small: &Photo, arena: Arena, quad: &Quad) {
         self.looked_at.push(quad.corners);
         let Some(border) = candidates::find(small, arena, quad.corners) else { return };
-        if border.score > self.measured {
-            self.measured = border.score;
+        if border.score() > self.measured {
+            self.measured = border.score();
             self.likeliest = Some(border.map.seen_corners(arena));
         }
-        if border.score < LEAST_SCORE {
+        if border.score() < LEAST_SCORE {
             return;
         }
         let exact = Viewpoint::misfit(small, &border.map) <= MOST_MISFIT;
         let as_stated = Viewpoint::misfit_as_stated(small, &border.map) <= MOST_MISFIT;
-        let clear = as_stated && border.score >= CLEAR_SCORE;
+        let clear = as_stated && border.score() >= CLEAR_SCORE;
         if !exact && !clear {
             self.is_odd = true;
             return;
         }
-        let value = border.score + RANK_WEIGHT * quad.rank;
+        let value = border.score() + RANK_WEIGHT * quad.rank;
         let before = self.best.as_ref();
         let around = before.is_some_and(|best| {
-            let enough = border.score > best.border.score - OUTER_LOSS;
+            let enough = border.score() > best.border.score() - OUTER_LOSS;
             enough
                 && is_drawn_inside(small, arena, &best.border.map, border.map.seen_corners(arena))
         });
@@ -164,15 +169,19 @@ impl Found {
 fn odd_ratio(small: &Photo, arena: Arena, quad: &Quad) -> Option<f64> {
     let border = candidates::lined(small, arena, quad.corners)?;
     let odd = Viewpoint::misfit_as_stated(small, &border.map) > MOST_MISFIT;
-    Viewpoint::side_ratio(small, &border.map).filter(|_| odd && border.score >= CLEAR_SCORE)
+    Viewpoint::side_ratio(small, &border.map).filter(|_| odd && border.score() >= CLEAR_SCORE)
 }
 
-/// A border of which more is seen than its inside, and that is no small thing: beside each side there is
-/// something else in the picture.
+/// A border of which enough is seen on each side, and more than its inside: beside each side there is something
+/// else in the picture. It is no small thing.
 fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, VisionError> {
     let corners = border.map.seen_corners(arena);
     if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
         return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
+    }
+    let hidden = border.shares.iter().find(|&(_, &share)| share < LEAST_OF_SIDE);
+    if let Some((side, &share)) = hidden {
+        return Err(VisionError::HiddenSide { side, share, needed: LEAST_OF_SIDE });
     }
     let all = (photo.width() * photo.height()) as f64;
     let share = enclosed(corners) / all;
@@ -211,7 +220,10 @@ pub(crate) fn check_arena(arena: Arena) -> Result<(), VisionError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sides::EndBy;
     use super::*;
+    use crate::geometry::PerSide;
+    use crate::vision::camera::PlanMap;
 
     const ARENA: Arena = Arena { width: 1.5, height: 1.0 };
 
@@ -225,5 +237,24 @@ mod tests {
         let halves = (0..160 * 120).map(|i| if i % 160 < 80 { [200; 3] } else { [40; 3] });
         let halves = Photo::from_rgb(160, 120, halves.collect()).unwrap();
         assert!(matches!(find(&halves, &halves, ARENA, None), Err(VisionError::NoBorder { .. })));
+    }
+
+    #[test]
+    fn a_side_of_which_most_is_hidden_is_refused_by_its_name() {
+        let photo = Photo::from_rgb(640, 480, vec![[128; 3]; 640 * 480]).unwrap();
+        let corners = [[80.0, 420.0], [620.0, 420.0], [620.0, 60.0], [80.0, 60.0]];
+        let seen = |right: f64| {
+            let map = PlanMap::from_seen_corners(&photo, ARENA, corners, 0.0).unwrap();
+            let mut shares = PerSide::all(1.0);
+            shares[Side::Right] = right;
+            let (change, by) = (PerSide::all([-0.5; 3]), PerSide::all(EndBy::Unlit));
+            in_view(&photo, ARENA, Border { map, shares, residual: 0.1, change, by })
+        };
+        assert!(seen(0.5).is_ok());
+        let refused = seen(0.4).unwrap_err();
+        let hidden = |side, share| side == Side::Right && share == 0.4;
+        assert!(
+            matches!(refused, VisionError::HiddenSide { side, share, .. } if hidden(side, share))
+        );
     }
 }

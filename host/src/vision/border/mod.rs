@@ -1,6 +1,8 @@
 //! The floor's four edges: lines and quads in the photo, the choice among them, and the light along each side.
 
 mod candidates;
+mod consensus;
+mod enlarge;
 mod find;
 mod given;
 mod light;

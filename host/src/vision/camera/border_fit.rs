@@ -15,7 +15,7 @@ use nalgebra::SVector;
 /// Profiles on each side of the arena.
 pub(crate) const PLACES: usize = 80;
 /// A step this close to the map, as a share of the picture's longer side, shows that the map is right.
-const FITTING_SHARE: f64 = 0.0015;
+pub(crate) const FITTING_SHARE: f64 = 0.0015;
 /// Profiles keep this share of a side away from the corners.
 const CORNER_SHARE: f64 = 0.02;
 /// The distance of samples in a profile, pixels.
@@ -65,6 +65,60 @@ pub(crate) struct Step {
     pub(crate) pixel: [f64; 2],
 }
 
+/// Light along short lines across a side of a map, from inside to outside.
+pub(crate) struct Profiles<'a> {
+    photo: &'a Photo,
+    map: &'a PlanMap,
+    arena: Arena,
+    side: Side,
+    /// Metres inward of the first and the last sample.
+    ends: [f64; 2],
+    count: usize,
+}
+
+impl<'a> Profiles<'a> {
+    /// The distance of samples, pixels.
+    pub(crate) const STEP: f64 = SAMPLE_STEP;
+
+    /// Lines that reach so many pixels to both sides.
+    pub(crate) fn across(
+        photo: &'a Photo,
+        map: &'a PlanMap,
+        arena: Arena,
+        side: Side,
+        reach: f64,
+    ) -> Self {
+        let count = (2.0 * reach / SAMPLE_STEP) as usize + 4;
+        let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
+        let first = (reach + 2.0 * SAMPLE_STEP) / scale;
+        let ends = [first, first - (count - 1) as f64 * SAMPLE_STEP / scale];
+        Self { photo, map, arena, side, ends, count }
+    }
+
+    /// How far a sample is inward of the side, metres.
+    pub(crate) fn inward(&self, index: f64) -> f64 {
+        let [first, last] = self.ends;
+        first + index / (self.count - 1) as f64 * (last - first)
+    }
+
+    /// Puts the light along profile number `place` into `lights`; where its first and last sample are, pixels.
+    pub(crate) fn at(&self, place: usize, lights: &mut Vec<[f32; 3]>) -> [[f64; 2]; 2] {
+        let ends = self.ends.map(|inward| {
+            self.map.to_photo(side_point(self.arena, self.side, along(place), inward))
+        });
+        let pixels = (0..self.count).map(|index| self.pixel(ends, index as f64));
+        lights.clear();
+        lights.extend(pixels.map(|pixel| self.photo.light(pixel)));
+        ends
+    }
+
+    /// The pixel of a sample of a profile with such ends: so few pixels of a side's normal are straight in the photo.
+    fn pixel(&self, [from, to]: [[f64; 2]; 2], index: f64) -> [f64; 2] {
+        let share = index / (self.count - 1) as f64;
+        [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+    }
+}
+
 /// Finds the steps of all profiles that have one, at every `stride`-th place.
 pub(crate) fn steps(
     photo: &Photo,
@@ -74,25 +128,15 @@ pub(crate) fn steps(
     stride: usize,
 ) -> Vec<Step> {
     let mut steps = Vec::with_capacity(4 * PLACES / stride);
-    let count = (2.0 * search.reach / SAMPLE_STEP) as usize + 4;
-    let mut lights = Vec::with_capacity(count);
+    let mut lights = Vec::new();
     for side in Side::ALL {
-        let scale = map.scale_at(side_point(arena, side, 0.5, 0.0)).max(1e-6);
+        let profiles = Profiles::across(photo, map, arena, side, search.reach);
         let change = search.change.map(|changes| changes[side]);
-        let first = (search.reach + 2.0 * SAMPLE_STEP) / scale;
-        let last = first - (count - 1) as f64 * SAMPLE_STEP / scale;
         for place in (stride / 2..PLACES).step_by(stride) {
-            let pixel = |inward: f64| map.to_photo(side_point(arena, side, along(place), inward));
-            // So few pixels of a side's normal are straight in the photo.
-            let (from, to) = (pixel(first), pixel(last));
-            let at = |index: f64| {
-                let share = index / (count - 1) as f64;
-                [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
-            };
-            lights.clear();
-            lights.extend((0..count).map(|index| photo.light(at(index as f64))));
-            let pixel = step(&lights, change).map(at).filter(|&pixel| photo.holds(pixel));
-            steps.extend(pixel.map(|pixel| Step { side, pixel }));
+            let ends = profiles.at(place, &mut lights);
+            let pixel = step(&lights, change).map(|index| profiles.pixel(ends, index));
+            let seen = pixel.filter(|&pixel| photo.holds(pixel));
+            steps.extend(seen.map(|pixel| Step { side, pixel }));
         }
     }
     steps

@@ -6,46 +6,76 @@ const HALF_WIDTH: usize = 2;
 /// The least derivative that is a step, share of the expected change or linear light.
 const LEAST_EXPECTED: f32 = 0.2;
 const LEAST_ANY: f32 = 0.01;
+/// Where any step counts, not the greatest, it has at least this share of the expected change.
+const LEAST_ALIKE: f32 = 0.4;
 /// Steps of more than this share of the expected change count less.
 const GREATEST: f32 = 1.1;
 
-/// Where the light changes most along `lights`, as an index with a fraction.
-///
-/// With `change` (last less first light) only a change of that colour and sign counts. Changes that go on
-/// beyond an end are not steps. `None` if there is no clear one.
-pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64> {
+/// A place along a line of samples where the light changes more than beside it.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    /// The slope in the middle, and the change of light before it, at it and behind it.
+    index: usize,
+    slopes: [f32; 3],
+}
+
+impl Peak {
+    /// The change of light at it.
+    fn height(&self) -> f32 {
+        self.slopes[1]
+    }
+
+    /// The place, an index with a fraction.
+    fn place(&self) -> f64 {
+        let [before, peak, after] = self.slopes;
+        let shift = f64::from(0.5 * (before - after) / (before - 2.0 * peak + after).min(-1e-9));
+        (self.index + HALF_WIDTH) as f64 + shift
+    }
+}
+
+/// The peaks of the change of light along `lights`, in shares of `change` if that is given.
+fn peaks(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> impl Iterator<Item = Peak> {
     let axis = change.map(|expected| {
         let square: f32 = expected.iter().map(|value| value * value).sum();
         expected.map(|value| value / square.max(1e-9))
     });
-    let slope = |(last, first): (&[f32; 3], &[f32; 3])| {
+    let slope = move |(last, first): (&[f32; 3], &[f32; 3])| {
         let [r, g, b] = [last[0] - first[0], last[1] - first[1], last[2] - first[2]];
         match axis {
             Some([x, y, z]) => r * x + g * y + b * z,
             None => r.abs().max(g.abs()).max(b.abs()),
         }
     };
+    let slopes = lights.iter().skip(2 * HALF_WIDTH).zip(lights).map(slope);
+    // No comparison with what is not there holds.
+    let mut last = [f32::NAN; 2];
+    slopes.enumerate().filter_map(move |(index, after)| {
+        let [before, here] = last;
+        last = [here, after];
+        let is_peak = here >= before && here > after;
+        is_peak.then(|| Peak { index: index - 1, slopes: [before, here, after] })
+    })
+}
+
+/// Where the light changes most along `lights`, as an index with a fraction.
+///
+/// With `change` (last less first light) only a change of that colour and sign counts. Changes that go on
+/// beyond an end are not steps. `None` if there is no clear one.
+pub(crate) fn step(lights: &[[f32; 3]], change: Option<[f32; 3]>) -> Option<f64> {
     // A step much greater than the expected one is another edge, such as that of a shadow.
-    let fitting = |peak: f32| {
-        if change.is_some() && peak > GREATEST { GREATEST * GREATEST / peak } else { peak }
+    let fitting = |peak: &Peak| {
+        let height = peak.height();
+        if change.is_some() && height > GREATEST { GREATEST * GREATEST / height } else { height }
     };
-    let mut slopes = lights.iter().skip(2 * HALF_WIDTH).zip(lights).map(slope);
-    let (mut before, mut here) = (slopes.next()?, slopes.next()?);
-    let mut best: Option<(f32, usize, [f32; 3])> = None;
-    for (index, after) in slopes.enumerate() {
-        let as_great = |(most, ..): &(f32, usize, [f32; 3])| fitting(here) >= *most;
-        if here >= before && here > after && best.as_ref().is_none_or(as_great) {
-            best = Some((fitting(here), index + 1, [before, here, after]));
-        }
-        (before, here) = (here, after);
-    }
-    let (_, place, [before, peak, after]) = best?;
+    let best = peaks(lights, change).max_by(|a, b| fitting(a).total_cmp(&fitting(b)))?;
     let least = if change.is_some() { LEAST_EXPECTED } else { LEAST_ANY };
-    if peak < least {
-        return None;
-    }
-    let shift = f64::from(0.5 * (before - after) / (before - 2.0 * peak + after).min(-1e-9));
-    Some((place + HALF_WIDTH) as f64 + shift)
+    (best.height() >= least).then(|| best.place())
+}
+
+/// All places along `lights` where the light changes by a good part of `change`, as indices with a fraction.
+pub(crate) fn steps_like(lights: &[[f32; 3]], change: [f32; 3]) -> impl Iterator<Item = f64> {
+    let clear = peaks(lights, Some(change)).filter(|peak| peak.height() >= LEAST_ALIKE);
+    clear.map(|peak| peak.place())
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod sobel;
 pub(crate) use components::{Run, runs};
 pub(crate) use cover::{LEAST_CELLS, around, cut, greatest, marked, regions};
 pub use decode::{MAX_PIXELS, decode};
-pub(crate) use edge_profile::step;
+pub(crate) use edge_profile::{step, steps_like};
 pub(crate) use faults::check_overview;
 pub use faults::check_picture;
 pub(crate) use photo::{FRACTION, Place};
