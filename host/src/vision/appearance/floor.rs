@@ -322,6 +322,15 @@ mod tests {
     }
 
     #[test]
+    fn a_shadow_is_told_from_the_floor_if_it_is_deeper_than_the_floors_own_spread() {
+        let model = FloorModel::fit(ARENA, &samples()).unwrap();
+        let deep = |spreads: f32| [-spreads * model.spread[0], 0.0, 0.0];
+        assert!(model.tells_shadow(deep(1.01 * LEAST_DEPTH)));
+        assert!(!model.tells_shadow(deep(0.99 * LEAST_DEPTH)));
+        assert!(!model.tells_shadow([0.0; 3]) && !model.tells_shadow([1.0, 0.0, 0.0]));
+    }
+
+    #[test]
     fn the_model_follows_the_floor_and_knows_boxes_and_shadow() {
         let mut model = FloorModel::fit(ARENA, &samples()).unwrap();
         model.shadow = Some(Shadow { offset: [-0.65, 0.0, 0.0], even: None });

@@ -111,6 +111,16 @@ mod tests {
     }
 
     #[test]
+    fn places_between_two_squares_lie_as_far_from_one_side_as_from_the_other() {
+        let inner = [[40.0, 60.0], [60.0, 60.0], [60.0, 40.0], [40.0, 40.0]];
+        let places: Vec<_> = between_quads(inner, OUTER).collect();
+        for axis in [0, 1] {
+            let middle = places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64;
+            assert!((middle - 50.0).abs() < 1e-9, "{middle}");
+        }
+    }
+
+    #[test]
     fn a_rim_is_narrow_and_of_one_width() {
         let grown = |by: f64| {
             [

@@ -152,3 +152,26 @@ impl SideView {
 fn distance(a: Feature, b: Feature) -> f32 {
     (0..3).map(|part| (a[part] - b[part]).powi(2)).sum::<f32>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A side 20 samples high, one unit darker than the top behind it.
+    fn side(floor: bool) -> SideView {
+        let colours = (0..60).map(|i| [if i < 20 { -1.0 } else { 0.0 }, 0.0, 0.0]).collect();
+        SideView { colours, floor: vec![floor; 60], distance: 100.0, weight: 1.0 }
+    }
+
+    #[test]
+    fn a_side_is_clear_where_the_top_begins_and_floor_is_no_side() {
+        // 20 samples of half a pixel are a tenth of 100 pixels.
+        assert_eq!(side(false).clarity_at(1.1, true), 1.0);
+        assert_eq!(side(true).clarity_at(1.1, true), 0.0);
+        // On the top there is no step; with one before it a side that must be even ends there.
+        assert_eq!(side(false).clarity_at(1.2, true), 0.0);
+        // Too near to the foot and beyond what is seen.
+        assert_eq!(side(false).clarity_at(1.02, false), 0.0);
+        assert_eq!(side(false).clarity_at(1.3, false), 0.0);
+    }
+}
