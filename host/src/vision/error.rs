@@ -305,11 +305,11 @@ pub enum VisionError {
         spread: f64,
     },
     /// A focal length that no lens has.
-    #[error("such a camera would have a focal length of {widths:.2} widths of the photo, lenses have {} to {}", .range[0], .range[1])]
+    #[error("such a camera would have a focal length of {sides:.2} longer sides of the photo, lenses have {} to {}", .range[0], .range[1])]
     #[diagnostic(help("check --height, --focal and --arena"))]
     OddFocal {
-        /// The focal length, widths of the photo.
-        widths: f64,
+        /// The focal length, longer sides of the photo.
+        sides: f64,
         /// What lenses have.
         range: [f64; 2],
     },

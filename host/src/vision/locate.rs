@@ -73,10 +73,9 @@ pub(super) fn locate(
     };
     check_tilt(photo, &border.map)?;
     let mut warnings: Vec<_> = rough_border(border.residual).into_iter().collect();
-    let confidence = border.score();
     let unasked = options.origin.is_none() && lowest_left(border.map.seen_corners(arena)) != 0;
     warnings.extend(unasked.then_some(Warning::WidthRunsUp));
-    Ok(Located { map: border.map, confidence, warnings })
+    Ok(Located { confidence: border.score(), map: border.map, warnings })
 }
 
 /// The corners that tags give, with what to say of those that have none.

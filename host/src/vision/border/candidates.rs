@@ -10,10 +10,11 @@
 //! [`Border::reconsidered`] looks there.
 
 use super::light;
+use super::refine::{Changes, Guide, farthest, refine, seen};
 use super::sides::{EndBy, Sides, learn_floor};
 use crate::geometry::{Arena, PerSide, Point, Side};
 use crate::vision::appearance::FloorModel;
-use crate::vision::camera::border_fit::{self, Fit, Search, Terms};
+use crate::vision::camera::border_fit::Fit;
 use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::image::Photo;
 
@@ -34,40 +35,14 @@ const PREDICTED_REACH: [f64; 2] = [3.0, 2.0];
 const MISFIT_WEIGHT: f64 = 0.05;
 /// How far to both sides of a line light is compared, pixels at a longer side of 640.
 const LINED_BESIDE: f64 = 3.0;
-/// Each of the lines shows on this share of its profiles, and floor lies inside it, at these distances, pixels at a
-/// longer side of 640.
-const LEAST_SHARE: f64 = 0.45;
+/// Each side shows on this share of its profiles: of less it is a guess where it runs.
+pub(super) const LEAST_SHARE: f64 = 0.45;
+/// Inside of a line there is floor, at these distances, pixels at a longer side of 640.
 const INSIDE: [f64; 2] = [2.0, 6.0];
 /// The lines themselves are the border if they are better by this than where the floor's colour ends.
 const LINED_GAIN: f64 = 0.05;
 /// Misfits beyond this are all alike.
 const MOST_MISFIT: f64 = 10.0;
-/// Radial coefficients of lenses that pictures of arenas are taken with, for half of the picture's longer side: wide
-/// lenses bend sides outward, hardly any inward. The sides of a cloth that hangs together in folds bend inward by more.
-const RADIAL_RANGE: std::ops::Range<f64> = -0.15..0.045;
-/// The lens is accepted if it brings the residual below this share of that without.
-const LENS_GAIN: f64 = 0.93;
-
-/// What leads the search for the border's steps.
-#[derive(Clone, Copy)]
-pub(super) struct Guide {
-    /// The light's change from inside to outside on each side, if it is known.
-    change: Option<Changes>,
-    /// The side that does not count.
-    without: Option<Side>,
-    /// Whether the map is one that a camera may have.
-    camera: bool,
-}
-
-/// The change of linear light from inside to outside on each side.
-pub(super) type Changes = PerSide<[f32; 3]>;
-
-impl Guide {
-    pub(super) fn by(change: Changes) -> Self {
-        Self { change: Some(change), without: None, camera: false }
-    }
-}
-
 /// A border that was found.
 #[derive(Clone, Debug)]
 pub(crate) struct Border {
@@ -89,7 +64,7 @@ impl Border {
     fn reconsidered(&self, photo: &Photo, arena: Arena) -> Option<Self> {
         let before = Viewpoint::misfit(photo, &self.map);
         let floor = learn_floor(photo, &self.map, arena)?;
-        let reaches = PREDICTED_REACH.map(|reach| reach * zoom(photo));
+        let reaches = PREDICTED_REACH.map(|reach| reach * photo.zoom());
         let sought_anew = |side: Side| {
             let guide = Guide { without: Some(side), camera: true, ..Guide::by(self.change) };
             let predicted = refine(photo, arena, &self.map, &reaches, guide)?;
@@ -102,7 +77,7 @@ impl Border {
         better.max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    fn of(fit: Fit, change: Changes, by: PerSide<EndBy>) -> Self {
+    pub(super) fn of(fit: Fit, change: Changes, by: PerSide<EndBy>) -> Self {
         Self { map: fit.map, shares: fit.shares, residual: fit.residual, change, by }
     }
 
@@ -112,19 +87,10 @@ impl Border {
     }
 
     /// How good a border it is: the share of the profiles that show it, less what no camera would see.
-    fn value(&self, photo: &Photo) -> f64 {
-        value(photo, &self.map, &self.shares)
+    pub(super) fn value(&self, photo: &Photo) -> f64 {
+        let misfit = Viewpoint::misfit_as_stated(photo, &self.map).min(MOST_MISFIT);
+        self.score() - MISFIT_WEIGHT * misfit
     }
-}
-
-/// The share of all profiles that show a border.
-fn seen(shares: &PerSide<f64>) -> f64 {
-    shares.values().iter().sum::<f64>() / 4.0
-}
-
-/// The share of the profiles that show a border, less what no camera would see.
-pub(super) fn value(photo: &Photo, map: &PlanMap, shares: &PerSide<f64>) -> f64 {
-    seen(shares) - MISFIT_WEIGHT * Viewpoint::misfit_as_stated(photo, map).min(MOST_MISFIT)
 }
 
 /// Looks for the border from a candidate's corners; `None` if the floor does not end there.
@@ -143,7 +109,7 @@ pub(crate) fn find(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Optio
 
 /// The border where the floor's colour ends, from a candidate's map.
 fn where_floor_ends(photo: &Photo, arena: Arena, straight: &PlanMap) -> Option<Border> {
-    let reaches = ROUGH_REACH.map(|reach| reach * zoom(photo));
+    let reaches = ROUGH_REACH.map(|reach| reach * photo.zoom());
     let any = Guide { change: None, without: None, camera: false };
     let rough = refine(photo, arena, straight, &reaches, any)?;
     let floor = learn_floor(photo, &rough.map, arena)?;
@@ -161,7 +127,7 @@ fn where_floor_ends(photo: &Photo, arena: Arena, straight: &PlanMap) -> Option<B
 /// outer edge of a tape or a wall there is no floor.
 pub(crate) fn lined(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Border> {
     let lines = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
-    let zoom = zoom(photo);
+    let zoom = photo.zoom();
     let change = light::changes(photo, &lines, arena, LINED_BESIDE * zoom);
     let reaches = FINE_REACH[2].map(|reach| reach * zoom);
     let fit = refine(photo, arena, &lines, &reaches, Guide::by(change))?;
@@ -184,7 +150,7 @@ fn choices(photo: &Photo, arena: Arena, map: &PlanMap, sides: &Sides) -> Vec<Per
     };
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
     let apart =
-        |side: Side| (shadow[side] - unlit[side]).abs() * scale > COLOUR_SHIFT * zoom(photo);
+        |side: Side| (shadow[side] - unlit[side]).abs() * scale > COLOUR_SHIFT * photo.zoom();
     let differing: Vec<Side> = Side::ALL.into_iter().filter(|&side| apart(side)).collect();
     let choices = (0..1u32 << differing.len()).map(|chosen| {
         let mut by = alike[0];
@@ -214,7 +180,7 @@ fn settle(
     floor: &FloorModel,
     (by, camera): (PerSide<EndBy>, bool),
 ) -> Option<Border> {
-    let zoom = zoom(photo);
+    let zoom = photo.zoom();
     let (mut map, mut last) = (start, None);
     // The first pass may start from a wrong edge or without the lens; then profiles are smeared.
     for reaches in FINE_REACH {
@@ -235,17 +201,6 @@ fn settle(
     Some(Border { map, ..Border::of(fit, change, by) })
 }
 
-/// How much larger a photo is than those that lengths in pixels are stated for.
-fn zoom(photo: &Photo) -> f64 {
-    (photo.longer_side() / 640.0).max(1.0)
-}
-
-/// How far the farthest corner of two maps is apart, pixels.
-fn farthest(a: &PlanMap, b: &PlanMap, arena: Arena) -> f64 {
-    let pairs = a.seen_corners(arena).into_iter().zip(b.seen_corners(arena));
-    pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
-}
-
 /// The map whose sides lie where `map` has the distances `inward` from its sides, metres.
 fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: PerSide<f64>) -> Option<PlanMap> {
     let [lower, right, upper, left] = *inward.values();
@@ -257,56 +212,6 @@ fn moved(photo: &Photo, arena: Arena, map: &PlanMap, inward: PerSide<f64>) -> Op
         corners.map(|(x, y)| map.to_photo(Point::new(x, y))),
         map.radial(),
     )
-}
-
-/// Fits the map to the steps found within shrinking reaches, with the lens if that fits better.
-pub(super) fn refine(
-    photo: &Photo,
-    arena: Arena,
-    start: &PlanMap,
-    reaches: &[f64],
-    Guide { change, without, camera }: Guide,
-) -> Option<Fit> {
-    let mut best: Option<Fit> = None;
-    for lens in [false, true] {
-        let mut map = start.clone();
-        let mut last = None;
-        for (round, &reach) in reaches.iter().enumerate() {
-            // The last round decides; for those before it half of the profiles are enough.
-            let stride = if round + 1 == reaches.len() { 1 } else { 2 };
-            let steps = border_fit::steps(photo, &map, arena, &Search { reach, change }, stride);
-            let terms = Terms { width: reach, lens, stride, without, camera };
-            let fit = border_fit::fit(photo, arena, &map, &steps, terms)
-                .filter(|fit| near(photo, arena, (start, &fit.map), reaches));
-            let Some(fit) = fit else {
-                last = None;
-                break;
-            };
-            map = fit.map.clone();
-            last = Some(fit);
-        }
-        let Some(fit) = last else { continue };
-        let better = best.as_ref().is_none_or(|best| {
-            let gain = |fit: &Fit| fit.residual / seen(&fit.shares).max(1e-6);
-            gain(&fit) < LENS_GAIN * gain(best)
-        });
-        if better {
-            best = Some(fit);
-        }
-    }
-    best
-}
-
-/// Whether a fitted map is still the candidate's: its corners lie where steps were searched for, its lens is one.
-fn near(
-    photo: &Photo,
-    arena: Arena,
-    (start, fitted): (&PlanMap, &PlanMap),
-    reaches: &[f64],
-) -> bool {
-    let lens = fitted.radial() * (photo.longer_side() / photo.width() as f64).powi(2);
-    let most = 3.0 * reaches.iter().copied().fold(0.0, f64::max);
-    farthest(start, fitted, arena) < most && RADIAL_RANGE.contains(&lens)
 }
 
 /// The map with those sides moved whose floor ends elsewhere by its colour than by its light, if any.
@@ -322,7 +227,7 @@ fn by_colour(
 ) -> Option<(PlanMap, Changes)> {
     let sides = Sides::measure(photo, map, arena, floor);
     let scale = map.scale_at(Point::new(arena.width / 2.0, arena.height / 2.0)).max(1.0);
-    let least = COLOUR_SHIFT * zoom(photo) / scale;
+    let least = COLOUR_SHIFT * photo.zoom() / scale;
     let shifts = sides.hue_ends().map(|end| end.filter(|shift| shift.abs() > least).unwrap_or(0.0));
     if shifts == PerSide::all(0.0) {
         return None;
@@ -336,7 +241,7 @@ fn by_colour(
     if shifts.values().iter().any(|&shift| shift <= 0.0) {
         return None;
     }
-    let zoom = zoom(photo);
+    let zoom = photo.zoom();
     let change = sides.changes(shifts);
     let reaches = FOOT_REACH.map(|reach| reach * zoom);
     let foot = refine(photo, arena, &better, &reaches, Guide::by(change))?.map;

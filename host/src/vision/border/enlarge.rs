@@ -2,11 +2,12 @@
 //!
 //! Sides of which little is seen then are searched again along straight lines, see [`consensus`].
 
-use super::candidates::{Border, Guide, refine, value};
+use super::candidates::Border;
 use super::consensus;
+use super::refine::{Guide, refine};
 use crate::geometry::{Arena, Side};
 use crate::vision::camera::PlanMap;
-use crate::vision::camera::border_fit::{Fit, side_point};
+use crate::vision::camera::border_fit::side_point;
 use crate::vision::image::Photo;
 
 /// Shrinking reaches of the search for steps, pixels of the reduced photo.
@@ -28,27 +29,26 @@ impl Border {
         let Some(fine) = refine(photo, arena, &map, &reaches, Guide::by(self.change)) else {
             return Some(Self { map, residual: factor * self.residual, ..self });
         };
-        let fine = self.straightened(photo, arena, fine, reaches[1]);
-        Some(Self { map: fine.map, shares: fine.shares, residual: fine.residual, ..self })
+        Some(Self::of(fine, self.change, self.by).straightened(photo, arena, reaches[1]))
     }
 
-    /// The fit with those sides of which little is seen where a straight line shows clearly more.
-    fn straightened(&self, photo: &Photo, arena: Arena, fit: Fit, reach: f64) -> Fit {
-        let value = |fit: &Fit| value(photo, &fit.map, &fit.shares);
-        Side::ALL.into_iter().fold(fit, |fit, side| {
-            let now = fit.shares[side];
+    /// The border with those sides of which little is seen where a straight line shows clearly more.
+    fn straightened(self, photo: &Photo, arena: Arena, reach: f64) -> Self {
+        Side::ALL.into_iter().fold(self, |border, side| {
+            let now = border.shares[side];
             if now > LITTLE_SEEN {
-                return fit;
+                return border;
             }
-            let lines = consensus::lines(photo, &fit.map, arena, side, self.change[side]);
+            let lines = consensus::lines(photo, &border.map, arena, side, border.change[side]);
             let clear = lines.into_iter().filter(|line| line.share >= now + CLEARLY_MORE);
             let refitted = clear.filter_map(|line| {
-                let map = tilted(photo, arena, &fit.map, side, line.inward)?;
-                refine(photo, arena, &map, &[reach], Guide::by(self.change))
+                let map = tilted(photo, arena, &border.map, side, line.inward)?;
+                let fit = refine(photo, arena, &map, &[reach], Guide::by(border.change))?;
+                Some(Self::of(fit, border.change, border.by))
             });
             let more = refitted.filter(|found| found.shares[side] >= now + CLEARLY_MORE);
-            let best = more.max_by(|a, b| value(a).total_cmp(&value(b)));
-            best.filter(|best| value(best) > value(&fit)).unwrap_or(fit)
+            let best = more.max_by(|a, b| a.value(photo).total_cmp(&b.value(photo)));
+            best.filter(|best| best.value(photo) > border.value(photo)).unwrap_or(border)
         })
     }
 }

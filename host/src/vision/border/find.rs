@@ -1,6 +1,6 @@
 //! Finding the arena in the photo: candidates from long edges, the border among them, or a refusal.
 
-use super::candidates::{self, Border};
+use super::candidates::{self, Border, LEAST_SHARE};
 use super::lines::EdgeMap;
 use super::nested::is_drawn_inside;
 use super::origin::{PictureCorner, lowest_left};
@@ -18,8 +18,6 @@ const LEAST_CONTRAST: f64 = 8.0;
 const LEAST_SCORE: f64 = 0.5;
 /// Every profile shows the border; a little more than 1, since shares are summed up.
 const MOST_SCORE: f64 = 1.0 + 1e-9;
-/// The share of each side's profiles that must show it, at last.
-const LEAST_OF_SIDE: f64 = 0.45;
 /// With this share no other candidate is looked at.
 const SURE_SCORE: f64 = 0.93;
 /// Beside each side so much of the picture's longer side is seen: else the picture was cut there.
@@ -179,9 +177,9 @@ fn in_view(photo: &Photo, arena: Arena, border: Border) -> Result<Border, Vision
     if let Some(corner) = corners.iter().position(|&pixel| !photo.holds(pixel)) {
         return Err(VisionError::OutOfView { corner, pixel: corners[corner] });
     }
-    let hidden = border.shares.iter().find(|&(_, &share)| share < LEAST_OF_SIDE);
+    let hidden = border.shares.iter().find(|&(_, &share)| share < LEAST_SHARE);
     if let Some((side, &share)) = hidden {
-        return Err(VisionError::HiddenSide { side, share, needed: LEAST_OF_SIDE });
+        return Err(VisionError::HiddenSide { side, share, needed: LEAST_SHARE });
     }
     let all = (photo.width() * photo.height()) as f64;
     let share = enclosed(corners) / all;

@@ -96,7 +96,7 @@ fn change(
 
 /// For each side the greatest change of light at it, as a share of the greatest near it.
 pub(crate) fn shown(photo: &Photo, map: &PlanMap, arena: Arena) -> PerSide<f64> {
-    let zoom = (photo.longer_side() / 640.0).max(1.0);
+    let zoom = photo.zoom();
     PerSide::from_fn(|side| {
         let changes = scan(photo, map, arena, side, (SCAN_AROUND, zoom));
         let greatest = |changes: &[f32]| changes.iter().copied().fold(0.0, f32::max);

@@ -10,6 +10,7 @@ mod lines;
 mod nested;
 mod origin;
 mod quads;
+mod refine;
 mod seen;
 mod sides;
 #[cfg(test)]

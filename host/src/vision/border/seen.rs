@@ -29,7 +29,7 @@ pub struct SeenBorder {
 impl SeenBorder {
     pub(super) fn of(photo: &Photo, arena: Arena, corners: [[f64; 2]; 4]) -> Option<Self> {
         let map = PlanMap::from_seen_corners(photo, arena, corners, 0.0)?;
-        let zoom = (photo.longer_side() / 640.0).max(1.0);
+        let zoom = photo.zoom();
         let shares = light::ground(photo, &map, arena, BESIDE * zoom);
         let alike = |share: &f64| share.max(f64::MIN_POSITIVE).ln().abs();
         let (side, &ground) = shares.iter().min_by(|a, b| alike(a.1).total_cmp(&alike(b.1)))?;

@@ -11,6 +11,7 @@ use super::observe::ObservedBorder;
 use super::solve::{Solution, solve, starts};
 use crate::geometry::{Arena, Point, Side};
 use crate::vision::camera::{FOCAL_SPREAD, USUAL_FOCAL};
+use crate::vision::image::zoom;
 
 /// How far the principal point usually lies from the picture's centre, a share of the picture's longer side.
 const CENTRE_SPREAD: f64 = 0.01;
@@ -99,9 +100,10 @@ fn problem<'a>(
     known: KnownOfCamera,
     mistaken: Option<Side>,
 ) -> Option<Problem<'a>> {
-    let [width, height] = views.first()?.first()?.size.map(|count| count as f64);
-    let longer = width.max(height);
-    let zoom = (longer / 640.0).max(1.0);
+    let first = views.first()?.first()?;
+    let [width, height] = first.size.map(|count| count as f64);
+    let longer = first.longer_side();
+    let zoom = zoom(longer);
     let (focal, spread) = match known {
         KnownOfCamera { focal: Some(focal), .. } => (focal, GIVEN_FOCAL_SPREAD),
         // A height tells the focal length better than any usual one, of long lenses too.

@@ -32,9 +32,9 @@ use explain::{Explained, explain};
 use model::Unknown;
 pub use observe::ObservedBorder;
 
-/// Focal lengths that cameras have, widths of the picture; long ones from far away make good plans.
+/// Focal lengths that cameras have, longer sides of the picture; long ones from far away make good plans.
 const FOCAL_RANGE: std::ops::RangeInclusive<f64> = 0.3..=30.0;
-/// Pictures from one place show the corners at the same places to this, a share of the width.
+/// Pictures from one place show the corners at the same places to this, a share of the longer side.
 const MOST_SHIFT: f64 = 0.005;
 /// What is given may add this much to the misfit, squared standard deviations.
 const MOST_CONTRADICTION: f64 = 16.0;
@@ -115,7 +115,7 @@ fn same_size(
 /// Whether pictures from one place show the border at one place.
 fn same_place(arena: Arena, fixed: &[ObservedBorder]) -> Result<(), VisionError> {
     let corners: Vec<_> = fixed.iter().map(|border| border.map.seen_corners(arena)).collect();
-    let allowed = MOST_SHIFT * fixed.first().map_or(0.0, |border| border.size[0] as f64);
+    let allowed = MOST_SHIFT * fixed.first().map_or(0.0, ObservedBorder::longer_side);
     let mut worst = (0.0, [0, 0], 0);
     for (j, b) in corners.iter().enumerate() {
         for (i, a) in corners[..j].iter().enumerate() {
@@ -165,11 +165,11 @@ fn check_known(
             return Err(VisionError::KnownHeight { given, measured, spread });
         }
     }
-    let widths = found.best().state.lens.focal / views[0][0].size[0] as f64;
-    if FOCAL_RANGE.contains(&widths) {
+    let sides = found.best().state.lens.focal / views[0][0].longer_side();
+    if FOCAL_RANGE.contains(&sides) {
         return Ok(());
     }
-    Err(VisionError::OddFocal { widths, range: [*FOCAL_RANGE.start(), *FOCAL_RANGE.end()] })
+    Err(VisionError::OddFocal { sides, range: [*FOCAL_RANGE.start(), *FOCAL_RANGE.end()] })
 }
 
 /// Whether an unknown is about the border and the lens, not about what a border hardly tells.

@@ -84,6 +84,11 @@ pub struct ObservedBorder {
 }
 
 impl ObservedBorder {
+    /// The longer side of the picture, pixels.
+    pub(super) fn longer_side(&self) -> f64 {
+        self.size[0].max(self.size[1]) as f64
+    }
+
     /// Finds the border in a photo; from `corners` in pixels (lower left, lower right, upper right, upper
     /// left) if they are given.
     ///
@@ -97,7 +102,7 @@ impl ObservedBorder {
         check_arena(arena)?;
         let small = photo.reduced(photo.overview_factor());
         check_overview(&small)?;
-        let zoom = (photo.longer_side() / 640.0).max(1.0);
+        let zoom = photo.zoom();
         let map = match corners {
             Some(corners) => near(photo, arena, corners, zoom)?,
             None => border::find(photo, &small, arena, None)?.map,

@@ -6,7 +6,7 @@ use super::model::{Lens, Problem, Stand, State, Unknown};
 use crate::geometry::Point;
 use nalgebra::DMatrix;
 
-/// Focal lengths to start from, widths of the picture.
+/// Focal lengths to start from, longer sides of the picture.
 const STARTS: [f64; 4] = [0.6, 1.0, 1.7, 3.0];
 /// Steps farther off than this do not count, in their noise: boxes and shadows on the border. The way
 /// starts with all, because a wrong focal length may bring a whole side out of reach.
@@ -89,12 +89,11 @@ pub(super) fn solve<'a>(problem: Problem<'a>, starts: &[State]) -> Option<Soluti
 /// Where to start from: what several focal lengths make of the borders, or what is known does.
 pub(super) fn starts(problem: &Problem, known: KnownOfCamera) -> Option<Vec<State>> {
     let first = problem.views.first()?.first()?;
-    let width = first.size[0] as f64;
     let middle = Point::new(problem.arena.width / 2.0, problem.arena.height / 2.0);
     let focals = match known {
         KnownOfCamera { focal: Some(focal), .. } => vec![focal],
         KnownOfCamera { height: Some(height), .. } => vec![height * first.map.scale_at(middle)],
-        _ => STARTS.map(|share| share * width).to_vec(),
+        _ => STARTS.map(|share| share * first.longer_side()).to_vec(),
     };
     Some(focals.into_iter().filter_map(|focal| start(problem, focal)).collect())
 }

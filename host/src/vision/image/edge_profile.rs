@@ -96,6 +96,24 @@ mod tests {
     }
 
     #[test]
+    fn of_two_steps_like_one_both_are_told_and_none_that_is_small_or_the_other_way() {
+        let at = |i: i32| match i {
+            ..10 => 0.0,
+            10..20 => 1.0,
+            20..30 => 0.3,
+            30..40 => 1.1,
+            _ => 1.3,
+        };
+        let lights: Vec<_> = (0..50).map(|i| [at(i); 3]).collect();
+        let found: Vec<f64> = steps_like(&lights, [1.0; 3]).collect();
+        // A sharp step lies between two samples; its plateau of derivatives ends one sample after that.
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (place, step) in found.iter().zip([9.5, 29.5]) {
+            assert!((place - step).abs() <= 2.0, "{found:?}");
+        }
+    }
+
+    #[test]
     fn neither_even_light_nor_the_wrong_sign_is_a_step() {
         assert_eq!(step(&[[0.5; 3]; 12], None), None);
         assert_eq!(step(&blurred(7.0), Some([-1.0; 3])), None);

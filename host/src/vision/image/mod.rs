@@ -17,7 +17,7 @@ pub use decode::{MAX_PIXELS, decode};
 pub(crate) use edge_profile::{step, steps_like};
 pub(crate) use faults::check_overview;
 pub use faults::check_picture;
-pub(crate) use photo::{FRACTION, Place};
+pub(crate) use photo::{FRACTION, Place, zoom};
 pub use photo::{Photo, srgb_code};
 pub use raster::Raster;
 pub use rectangles::{CellRect, rectangles};

@@ -158,6 +158,11 @@ impl Photo {
         self.width.max(self.height) as f64
     }
 
+    /// How much larger it is than those that lengths in pixels are stated for, see [`zoom`].
+    pub(crate) fn zoom(&self) -> f64 {
+        zoom(self.longer_side())
+    }
+
     /// By what a photo is reduced for what needs no more than about 700 pixels a side.
     pub(crate) fn overview_factor(&self) -> usize {
         self.width.max(self.height).div_ceil(OVERVIEW_SIDE).max(1)
@@ -210,6 +215,11 @@ fn linear_light(code: usize) -> f32 {
     let value = code as f64 / 255.0;
     let light = if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
     light as f32
+}
+
+/// How much larger a picture is than those that lengths in pixels are stated for, "at a longer side of 640".
+pub(crate) fn zoom(longer_side: f64) -> f64 {
+    (longer_side / 640.0).max(1.0)
 }
 
 /// The sRGB code (0 to 255) of a linear light between 0 and 1.
