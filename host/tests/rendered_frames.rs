@@ -177,6 +177,42 @@ fn a_robot_whose_place_nothing_tells_is_doubted() {
     }
 }
 
+/// How high the boxes are that lean far, m: their tops appear up to 10 cm beside their footprints.
+const TALL: f64 = 0.25;
+/// The blur along an edge: a pixel and a half, m.
+const BLUR: f64 = 0.006;
+
+#[test]
+fn the_top_that_is_seen_is_covered_by_margins_unless_the_camera_is_known() {
+    let lens = Lens::above(SIZE, 2.5, [640, 480]);
+    let look = Look { shape_height: TALL, ..Look::default() };
+    let mut camera = camera::Camera::new(lens, Light::beside(SIZE), look, Sensor::default());
+    let photo = photo_at(&mut camera, &world(), POSE);
+    let is_covered = |seen: &Detection, top: Point| {
+        seen.obstacles.iter().any(|obstacle| obstacle.distance(top) < BLUR)
+    };
+    let guessed = detect(&photo, ARENA, &DetectOptions::default()).unwrap();
+    let map = &guessed.map;
+    let tops: Vec<Point> = world()
+        .shapes
+        .iter()
+        .filter_map(|shape| match *shape {
+            Shape::Rect([x0, y0, x1, y1]) => Some([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]),
+            _ => None,
+        })
+        .flatten()
+        .map(|[x, y]| camera.lens().project([x, y, TALL]).unwrap())
+        .map(|pixel| map.to_floor(pixel))
+        .collect();
+    for &top in &tops {
+        assert!(is_covered(&guessed, top), "{top:?} {:?}", guessed.obstacles);
+    }
+    let options = DetectOptions { camera: Some(camera.lens().into()), ..DetectOptions::default() };
+    let known = detect(&photo, ARENA, &options).unwrap();
+    assert!(overlap(&known) > OVERLAP_KNOWN, "{}", overlap(&known));
+    assert!(tops.iter().filter(|&&top| is_covered(&known, top)).count() < tops.len() / 2);
+}
+
 #[test]
 fn a_dark_camera_is_refused() {
     let mut camera = camera::Camera::above(SIZE, [320, 240]);

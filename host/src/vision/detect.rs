@@ -6,7 +6,7 @@ use crate::shape::Shape;
 use crate::vision::appearance::Look;
 use crate::vision::border::check_arena;
 use crate::vision::boxes::{self, Bounded, Found, Known, Trace, lined_sides};
-use crate::vision::camera::{Camera, PlanMap, Viewpoint};
+use crate::vision::camera::{PlanMap, Viewpoint};
 use crate::vision::empty::{check_still, over_even_floor};
 use crate::vision::error::VisionError;
 use crate::vision::floor_clarity::FloorClarity;
@@ -90,8 +90,6 @@ pub(super) struct Whole {
     /// Where nothing is an obstacle, but for the robot's tag.
     pub(super) left_out: Vec<Shape>,
     pub(super) viewpoint: Option<Viewpoint>,
-    /// Whether the camera's height above the floor is known.
-    pub(super) knows_height: bool,
     /// Whether the robot shows its tag or disc.
     pub(super) is_marked: bool,
     /// The photo's width and height, pixels.
@@ -139,13 +137,11 @@ pub(super) fn detect_whole(
     let steps =
         options.keep_steps.then(|| steps(picture.photo(), &map, arena, options.robot_radius));
     let viewpoint = picture.viewpoint();
-    let knows_height = options.camera.as_ref().is_some_and(Camera::knows_height);
-    let mut found = picture.obstacles(look, seen, (viewpoint, knows_height), &left_out);
+    let mut found = picture.obstacles(look, seen, viewpoint, &left_out);
     // Boxes that stand upright in the picture tell that the camera is far away.
-    let from = viewpoint.filter(|_| knows_height || found.leans.unwrap_or(true));
-    let robot = seen.map(|seen| picture.stands(seen, from, knows_height));
-    let is_guessed = !knows_height && found.leans.is_none();
-    warnings.extend(is_guessed.then(|| picture.doubt(seen, from)).flatten());
+    let from = viewpoint.filter(|view| view.knows_height || found.leans.unwrap_or(true));
+    let robot = seen.map(|seen| picture.stands(seen, from));
+    warnings.extend(found.leans.is_none().then(|| picture.doubt(seen, from)).flatten());
     warnings.extend(found.has_lines.then_some(Warning::FloorLines));
     picture.check_border(&found)?;
     let known = found.known.take();
@@ -163,7 +159,7 @@ pub(super) fn detect_whole(
     let left_out = marks.left_out_at_rest(&detection.map, &options.ignored);
     let size = [photo.width(), photo.height()];
     let is_marked = marked.is_some();
-    let whole = Whole { things, left_out, viewpoint, knows_height, is_marked, size };
+    let whole = Whole { things, left_out, viewpoint, is_marked, size };
     Ok((detection, whole, known))
 }
 
@@ -230,13 +226,13 @@ impl Picture<'_> {
         &self,
         look: Look,
         robot: Option<SeenRobot>,
-        (viewpoint, knows_height): (Option<Viewpoint>, bool),
+        viewpoint: Option<Viewpoint>,
         left_out: &[Shape],
     ) -> Found {
         let (photo, map) = (self.photo(), self.map);
         let top = robot.map(|seen| {
             let top = seen.top(self.options.robot_body(), self.options.robot_tag_mount);
-            top.above(self.stands(seen, viewpoint, knows_height).position)
+            top.above(self.stands(seen, viewpoint).position)
         });
         match self.options.method {
             Method::Paper => Found::plain(paper_rectangles(photo, map, self.arena, top, left_out)),
@@ -245,19 +241,18 @@ impl Picture<'_> {
     }
 
     /// Where a robot stands.
-    fn stands(&self, seen: SeenRobot, from: Option<Viewpoint>, knows_height: bool) -> Pose {
+    fn stands(&self, seen: SeenRobot, from: Option<Viewpoint>) -> Pose {
         let mount = self.options.robot_tag_mount;
-        seen.stands(
-            (self.photo(), self.map),
-            self.options.robot_body(),
-            mount,
-            (from, knows_height),
-        )
+        seen.stands((self.photo(), self.map), self.options.robot_body(), mount, from)
     }
 
     /// What to say of a robot whose place is a guess.
     fn doubt(&self, seen: Option<SeenRobot>, from: Option<Viewpoint>) -> Option<Warning> {
-        let (Some(SeenRobot::Disc(top)), Some(view)) = (seen, from) else { return None };
+        let (Some(SeenRobot::Disc(top)), Some(view)) =
+            (seen, from.filter(|view| !view.knows_height))
+        else {
+            return None;
+        };
         let doubt = self.options.robot_body().doubt(self.photo(), self.map, top, view);
         (doubt > MUCH_DOUBT).then_some(Warning::RobotPlace { doubt })
     }

@@ -6,15 +6,14 @@
 
 use super::balance::shaded_area;
 use super::border_colours::BorderColours;
-use super::evidence::{Evidence, coarse_scale};
-use super::footprint::without_floor;
-use super::implausible::{fades_into_floor, is_faint_floor, is_part_of_robot, is_part_of_wall};
+use super::evidence::Evidence;
 use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::proposals::proposals;
-use super::refine::{Bounded, Sharpener};
+use super::refine::Bounded;
 use super::search::Search;
 use super::shaped::Shaped;
+use super::standing::Standing;
 use super::tighten::Tightener;
 use super::uncovered::Explained;
 use crate::geometry::{Point, Rect};
@@ -42,9 +41,6 @@ const DEEP_SHADOW: f32 = 0.92;
 const MOST_DEEP_LEFT: f32 = 0.15;
 /// Another reading of shadow is taken if it leaves less than this share unexplained.
 const CLEARLY: f32 = 0.9;
-
-/// A footprint of which more than this share is plain floor is wrong.
-const MOST_FLOOR: f64 = 0.5;
 
 /// The boxes of a picture.
 pub(crate) struct Found {
@@ -181,14 +177,6 @@ impl Known {
     }
 }
 
-/// A box that stands there: its outline, its footprint with margins, and where it is seen.
-#[derive(Clone, Copy)]
-struct Standing {
-    outline: LeaningBox,
-    bounded: Bounded,
-    trace: Trace,
-}
-
 /// A reading of shadow, what it makes of the picture, and how much it leaves unexplained, cells.
 struct Reading {
     shadow: Option<Shadow>,
@@ -198,10 +186,10 @@ struct Reading {
 }
 
 /// The explanation of a picture.
-struct Scene {
-    boxes: Vec<LeaningBox>,
-    foot: Option<Point>,
-    lamp: Option<Lamp>,
+pub(super) struct Scene {
+    pub(super) boxes: Vec<LeaningBox>,
+    pub(super) foot: Option<Point>,
+    pub(super) lamp: Option<Lamp>,
     leans: Option<bool>,
 }
 
@@ -217,12 +205,12 @@ impl Scene {
 }
 
 /// A picture and what is known of it before boxes are searched for.
-struct Picture<'a> {
-    photo: &'a Photo,
-    map: &'a PlanMap,
-    look: &'a Look,
-    robot: Option<RobotTop>,
-    viewpoint: Option<Viewpoint>,
+pub(super) struct Picture<'a> {
+    pub(super) photo: &'a Photo,
+    pub(super) map: &'a PlanMap,
+    pub(super) look: &'a Look,
+    pub(super) robot: Option<RobotTop>,
+    pub(super) viewpoint: Option<Viewpoint>,
 }
 
 impl Picture<'_> {
@@ -278,13 +266,6 @@ impl Picture<'_> {
         Found { known: Some(known), ..self.finish(scene) }
     }
 
-    /// The bounds of the outline and of the shadow of a box.
-    fn extent(seen: &LeaningBox, foot: Option<Point>, lamp: Option<Lamp>) -> Rect {
-        let outline = foot.map_or(seen.base, |foot| seen.bounds(foot));
-        let shadow = lamp.and_then(|lamp| Some(lamp.shadow(*seen)?.bounds(lamp.foot)));
-        shadow.map_or(outline, |shadow| outline.union(shadow))
-    }
-
     /// The boxes brought to a fraction of a pixel, without what cannot be one, and what else is seen.
     fn finish(&self, scene: Scene) -> Found {
         let Scene { foot, lamp, leans, .. } = scene;
@@ -318,54 +299,6 @@ impl Picture<'_> {
         traces.extend(added.iter().map(|added| Trace::plain(added.footprint.bounds())));
         shapes.extend(added);
         Found { boxes, shapes, leans, has_lines: foreign.has_lines, traces, known: None }
-    }
-
-    /// The boxes of an explanation that can be some, each with where it is seen.
-    fn all_standing(&self, Scene { boxes, foot, lamp, .. }: Scene) -> Vec<Standing> {
-        let tools = self.sharpener(foot, lamp.is_some());
-        let arena = self.look.frame.arena;
-        let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
-        let is_floor = |seen: &LeaningBox| {
-            let outline = seen.bounds(foot.unwrap_or(middle));
-            fades_into_floor(outline, self.look) || is_faint_floor(outline, self.look)
-        };
-        let extent = |seen: &LeaningBox| Self::extent(seen, foot, lamp);
-        let standing = |searched: LeaningBox| {
-            let (outline, bounded) = self.standing(&tools, searched)?;
-            let extent = extent(&outline).union(extent(&searched));
-            let trace = Trace { extent, searched: Some(searched) };
-            let is_kept = !is_part_of_wall(bounded.rect, arena)
-                && !is_part_of_robot(bounded.rect, self.robot);
-            is_kept.then_some(Standing { outline, bounded, trace })
-        };
-        boxes.into_iter().filter(|seen| !is_floor(seen)).filter_map(standing).collect()
-    }
-
-    /// A box with its edges to a fraction of a pixel and without the floor that is seen in its footprint.
-    /// One that was mostly floor, or of which no side is seen without it, does not lean: it is what remains of
-    /// its outline without floor, if anything.
-    fn standing(&self, tools: &Sharpener<'_>, seen: LeaningBox) -> Option<(LeaningBox, Bounded)> {
-        let (measured, bounded) = tools.sharpen(seen);
-        // What two measures do not agree on explains nothing that is seen beside the footprint.
-        let seen = LeaningBox { lean: measured.lean.min(seen.lean), ..measured };
-        let stands = without_floor(bounded.rect, self.look);
-        let large = |rect: &Rect| rect.area() > MOST_FLOOR * bounded.rect.area();
-        match stands.filter(large) {
-            Some(rect) if rect == bounded.rect => return Some((seen, bounded)),
-            Some(rect) if tools.shown_lean(LeaningBox { base: rect, ..seen }).is_some() => {
-                return Some((LeaningBox { base: rect, ..seen }, Bounded { rect, ..bounded }));
-            }
-            _ => {}
-        }
-        let outline = tools.foot.map_or(seen.base, |foot| seen.bounds(foot));
-        let flat = LeaningBox { base: without_floor(outline, self.look)?, lean: 1.0 };
-        Some(Sharpener { foot: None, lit: false, ..*tools }.sharpen(flat))
-    }
-
-    fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
-        let foot_error = self.viewpoint.map_or(0.0, |view| view.spread);
-        let (photo, map, look) = (self.photo, self.map, self.look);
-        Sharpener { photo, map, look, foot, foot_error, coarse: coarse_scale(look), lit }
     }
 }
 

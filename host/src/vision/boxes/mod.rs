@@ -21,6 +21,7 @@ mod robot_shadow;
 mod search;
 mod shade;
 mod shaped;
+mod standing;
 mod tighten;
 mod uncovered;
 mod widening;

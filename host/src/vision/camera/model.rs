@@ -100,13 +100,14 @@ impl Camera {
         let perspective = self.model == CameraModel::Perspective;
         let foot = Point::new(centre.x, centre.y);
         let spread = self.spread.map_or(CALIBRATED, |of| of.position[0].hypot(of.position[1]));
-        perspective.then_some(Viewpoint { foot, height: centre.z, spread })
+        let knows_height =
+            self.spread.is_none_or(|spread| spread.position[2] < SURE_HEIGHT * centre.z);
+        perspective.then_some(Viewpoint { foot, height: centre.z, spread, knows_height })
     }
 
     /// Whether the camera's height is known, not just guessed from the border.
     pub(crate) fn knows_height(&self) -> bool {
-        let height = self.viewpoint().map_or(f64::INFINITY, |view| view.height);
-        self.spread.is_none_or(|spread| spread.position[2] < SURE_HEIGHT * height)
+        self.viewpoint().is_none_or(|view| view.knows_height)
     }
 
     fn turn(&self) -> Matrix3<f64> {

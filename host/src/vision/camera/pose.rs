@@ -33,10 +33,12 @@ const LEAST_SPREAD: f64 = 0.05;
 pub(crate) struct Viewpoint {
     /// The point of the floor straight below the camera.
     pub(crate) foot: Point,
-    /// The camera's height above the floor; only a guess if seen straight from above.
+    /// The camera's height above the floor.
     pub(crate) height: f64,
     /// How far the foot point may be off (one standard deviation), metres.
     pub(crate) spread: f64,
+    /// Whether the height is known, not only guessed from the border.
+    pub(crate) knows_height: bool,
 }
 
 /// How four corners differ from those of the stated arena as a camera sees it.
@@ -152,7 +154,8 @@ impl Viewpoint {
                 weights += weight;
             }
         }
-        Some(Self { foot, height, spread: (sum / weights).sqrt().hypot(LEAST_SPREAD) })
+        let spread = (sum / weights).sqrt().hypot(LEAST_SPREAD);
+        Some(Self { foot, height, spread, knows_height: false })
     }
 }
 

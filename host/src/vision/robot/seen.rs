@@ -40,11 +40,11 @@ impl SeenRobot {
         (photo, map): (&Photo, &PlanMap),
         body: RobotBody,
         mount: Pose,
-        (view, knows_height): (Option<Viewpoint>, bool),
+        view: Option<Viewpoint>,
     ) -> Pose {
         match self {
             Self::Tag(seen) => body.under_tag(seen, mount, view),
-            Self::Disc(top) => body.under(photo, map, top, (view, knows_height)),
+            Self::Disc(top) => body.under(photo, map, top, view),
             Self::Told(pose) => pose,
         }
     }

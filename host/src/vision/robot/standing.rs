@@ -39,12 +39,12 @@ impl RobotBody {
         photo: &Photo,
         map: &PlanMap,
         top: RobotTop,
-        (view, knows_height): (Option<Viewpoint>, bool),
+        view: Option<Viewpoint>,
     ) -> Pose {
         let position = view.map_or(top.centre, |view| {
             let by_height = view.enlargement(self.height);
             let shown = || shown_lean(photo, map, top, view.foot, self.radius);
-            let lean = match knows_height {
+            let lean = match view.knows_height {
                 true => by_height,
                 false => shown().unwrap_or_else(|| self.likely_lean(by_height, top)),
             };
@@ -102,7 +102,8 @@ mod tests {
         let arena = crate::geometry::Arena { width: 2.0, height: 2.0 };
         let corners = [[0.0, 63.0], [63.0, 63.0], [63.0, 0.0], [0.0, 0.0]];
         let map = PlanMap::from_corners(&photo, arena, corners, 0.0).unwrap();
-        let view = Viewpoint { foot: Point::new(1.0, 0.0), height: 2.5, spread: 0.0 };
+        let view =
+            Viewpoint { foot: Point::new(1.0, 0.0), height: 2.5, spread: 0.0, knows_height: true };
         let top = RobotTop {
             centre: Point::new(2.0, 1.0),
             radius: 0.09,
@@ -110,7 +111,7 @@ mod tests {
             certainty: 1.0,
             base: Point::new(2.0, 1.0),
         };
-        let pose = BODY.under(&photo, &map, top, (Some(view), true));
+        let pose = BODY.under(&photo, &map, top, Some(view));
         assert!(pose.position.distance(Point::new(1.8, 0.8)) < 1e-12, "{pose:?}");
     }
 

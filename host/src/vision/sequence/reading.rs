@@ -110,16 +110,10 @@ impl Reading {
 
     /// Where a robot stands.
     fn stands(&self, photo: &Photo, robot: &NearbyRobot, options: &DetectOptions) -> Pose {
-        let knows_height = self.whole.knows_height;
         let leans = self.known.leans.unwrap_or(true);
-        let view = self.whole.viewpoint.filter(|_| knows_height || leans);
+        let view = self.whole.viewpoint.filter(|view| view.knows_height || leans);
         let picture = (photo, &self.detection.map);
-        robot.seen.stands(
-            picture,
-            options.robot_body(),
-            options.robot_tag_mount,
-            (view, knows_height),
-        )
+        robot.seen.stands(picture, options.robot_body(), options.robot_tag_mount, view)
     }
 
     /// The windows that are to be read; `None` if they are no cheaper than the whole.

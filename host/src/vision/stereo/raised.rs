@@ -54,8 +54,8 @@ mod tests {
     use proptest::prelude::*;
 
     const VIEWS: [Viewpoint; 2] = [
-        Viewpoint { foot: Point::new(0.5, 0.5), height: 3.0, spread: 0.0 },
-        Viewpoint { foot: Point::new(1.5, 0.5), height: 3.0, spread: 0.0 },
+        Viewpoint { foot: Point::new(0.5, 0.5), height: 3.0, spread: 0.0, knows_height: true },
+        Viewpoint { foot: Point::new(1.5, 0.5), height: 3.0, spread: 0.0, knows_height: true },
     ];
 
     #[test]
