@@ -30,7 +30,6 @@ impl Picture<'_> {
     /// The boxes of an explanation that can be some, each with where it is seen.
     pub(super) fn all_standing(&self, Scene { boxes, foot, lamp, .. }: Scene) -> Vec<Standing> {
         let tools = self.sharpener(foot, lamp.is_some());
-        let knows_height = self.viewpoint.is_some_and(|view| view.knows_height);
         let arena = self.look.frame.arena;
         let middle = Point::new(arena.width / 2.0, arena.height / 2.0);
         let is_floor = |seen: &LeaningBox| {
@@ -40,7 +39,7 @@ impl Picture<'_> {
         let extent = |seen: &LeaningBox| Self::extent(seen, foot, lamp);
         let standing = |searched: LeaningBox| {
             let (outline, bounded) = self.standing(&tools, searched)?;
-            let bounded = match foot.filter(|_| !knows_height) {
+            let bounded = match foot.filter(|_| !self.knows_height()) {
                 Some(foot) => reaching_over(inside(arena, outline.bounds(foot)), bounded),
                 None => bounded,
             };

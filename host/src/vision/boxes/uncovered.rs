@@ -13,7 +13,7 @@ use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::refine::Bounded;
 use super::shaped::{Patches, Shaped};
-use super::widening::{widen, with_margins};
+use super::widening::{Outline, as_it_stands, widen, with_margins};
 use crate::geometry::{Point, Rect};
 use crate::scene::Obstacle;
 use crate::vision::appearance::{FOREIGN, Look};
@@ -42,6 +42,8 @@ pub(crate) struct Explained<'a> {
     pub(crate) boxes: &'a [LeaningBox],
     /// The camera's foot point, if boxes lean.
     pub(crate) foot: Option<Point>,
+    /// Whether the camera's height is known, not only guessed from the border.
+    pub(crate) knows_height: bool,
     pub(crate) lamp: Option<Lamp>,
     pub(crate) robot: Option<RobotTop>,
 }
@@ -100,8 +102,11 @@ impl Explained<'_> {
             // What is beyond an edge is blurred with what lies inside of it.
             seen.levels.row(row)[column] >= 1.0 && !self.is_of_box(point) && !is_of_shape(point)
         });
-        let outline = |seen: &LeaningBox| self.foot.map_or(seen.base, |foot| seen.bounds(foot));
-        let outlines: Vec<Rect> = self.boxes.iter().map(outline).collect();
+        let outline = |of: &LeaningBox| {
+            let seen = self.foot.map_or(of.base, |foot| of.bounds(foot));
+            Outline { seen, from: if self.knows_height { seen } else { of.base } }
+        };
+        let outlines: Vec<Outline> = self.boxes.iter().map(outline).collect();
         let patches = self.patches(seen);
         let (things, bounds) = self.things(seen);
         let mut added = Vec::new();
@@ -138,7 +143,7 @@ impl Explained<'_> {
         patch: &[usize],
         thing: Rect,
         is_sure: bool,
-        outlines: &[Rect],
+        outlines: &[Outline],
         bounded: &mut [Bounded],
     ) -> Vec<Vec<usize>> {
         let width = self.look.features.width();
@@ -179,11 +184,7 @@ impl Explained<'_> {
         let mut covers: Vec<Bounded> = rects.into_iter().map(bounded).collect();
         for region in rest {
             let rect = self.metres(around(&region, width));
-            if !widen(
-                rect,
-                MOST_WIDENED,
-                covers.iter_mut().map(|cover| (cover.rect, &mut cover.margin)),
-            ) {
+            if !widen(rect, MOST_WIDENED, covers.iter_mut().map(as_it_stands)) {
                 covers.extend(cut(&region, width).into_iter().map(bounded));
             }
         }
