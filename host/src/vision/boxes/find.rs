@@ -266,18 +266,13 @@ impl Picture<'_> {
         Found { known: Some(known), ..self.finish(scene) }
     }
 
-    /// Whether the camera's height is known, not only guessed from the border.
-    pub(super) fn knows_height(&self) -> bool {
-        self.viewpoint.is_some_and(|view| view.knows_height)
-    }
-
     /// The boxes brought to a fraction of a pixel, without what cannot be one, and what else is seen.
     fn finish(&self, scene: Scene) -> Found {
         let Scene { foot, lamp, leans, .. } = scene;
-        let (look, robot, knows_height) = (self.look, self.robot, self.knows_height());
+        let (look, robot) = (self.look, self.robot);
         let standing = self.all_standing(scene);
         let outlines: Vec<LeaningBox> = standing.iter().map(|of| of.outline).collect();
-        let explained = Explained { look, boxes: &outlines, foot, knows_height, lamp, robot };
+        let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
         let foreign = explained.foreign();
         let shaped = explained.shapes(&foreign);
         let of_shape = |of: &Shaped| {
@@ -292,7 +287,7 @@ impl Picture<'_> {
         let (mut boxes, mut traces): (Vec<Bounded>, Vec<Trace>) =
             kept.into_iter().map(|of| (of.bounded, of.trace)).unzip();
         let mut shapes: Vec<Obstacle> = shaped.into_iter().map(|of| of.obstacle).collect();
-        let explained = Explained { look, boxes: &outlines, foot, knows_height, lamp, robot };
+        let explained = Explained { look, boxes: &outlines, foot, lamp, robot };
         let added = explained.complete(&foreign, &shapes, &mut boxes);
         boxes.extend(explained.unseen_casters());
         let tightener = Tightener { photo: self.photo, map: self.map, look };

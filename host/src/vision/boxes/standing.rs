@@ -36,10 +36,11 @@ impl Picture<'_> {
             let outline = seen.bounds(foot.unwrap_or(middle));
             fades_into_floor(outline, self.look) || is_faint_floor(outline, self.look)
         };
+        let is_guessed = self.viewpoint.is_some_and(|view| !view.knows_height);
         let extent = |seen: &LeaningBox| Self::extent(seen, foot, lamp);
         let standing = |searched: LeaningBox| {
             let (outline, bounded) = self.standing(&tools, searched)?;
-            let bounded = match foot.filter(|_| !self.knows_height()) {
+            let bounded = match foot.filter(|_| is_guessed) {
                 Some(foot) => reaching_over(inside(arena, outline.bounds(foot)), bounded),
                 None => bounded,
             };
@@ -73,6 +74,7 @@ impl Picture<'_> {
         Some(Sharpener { foot: None, lit: false, ..*tools }.sharpen(flat))
     }
 
+    /// The tools for the edges of boxes that lean away from `foot`, `lit` by a known lamp.
     pub(super) fn sharpener(&self, foot: Option<Point>, lit: bool) -> Sharpener<'_> {
         let foot_error = self.viewpoint.map_or(0.0, |view| view.spread);
         let (photo, map, look) = (self.photo, self.map, self.look);

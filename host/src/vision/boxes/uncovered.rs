@@ -13,7 +13,7 @@ use super::light::Lamp;
 use super::projection::LeaningBox;
 use super::refine::Bounded;
 use super::shaped::{Patches, Shaped};
-use super::widening::{Outline, as_it_stands, widen, with_margins};
+use super::widening::{widen, with_outlines};
 use crate::geometry::{Point, Rect};
 use crate::scene::Obstacle;
 use crate::vision::appearance::{FOREIGN, Look};
@@ -42,8 +42,6 @@ pub(crate) struct Explained<'a> {
     pub(crate) boxes: &'a [LeaningBox],
     /// The camera's foot point, if boxes lean.
     pub(crate) foot: Option<Point>,
-    /// Whether the camera's height is known, not only guessed from the border.
-    pub(crate) knows_height: bool,
     pub(crate) lamp: Option<Lamp>,
     pub(crate) robot: Option<RobotTop>,
 }
@@ -102,11 +100,8 @@ impl Explained<'_> {
             // What is beyond an edge is blurred with what lies inside of it.
             seen.levels.row(row)[column] >= 1.0 && !self.is_of_box(point) && !is_of_shape(point)
         });
-        let outline = |of: &LeaningBox| {
-            let seen = self.foot.map_or(of.base, |foot| of.bounds(foot));
-            Outline { seen, from: if self.knows_height { seen } else { of.base } }
-        };
-        let outlines: Vec<Outline> = self.boxes.iter().map(outline).collect();
+        let outline = |seen: &LeaningBox| self.foot.map_or(seen.base, |foot| seen.bounds(foot));
+        let outlines: Vec<Rect> = self.boxes.iter().map(outline).collect();
         let patches = self.patches(seen);
         let (things, bounds) = self.things(seen);
         let mut added = Vec::new();
@@ -143,13 +138,13 @@ impl Explained<'_> {
         patch: &[usize],
         thing: Rect,
         is_sure: bool,
-        outlines: &[Outline],
+        outlines: &[Rect],
         bounded: &mut [Bounded],
     ) -> Vec<Vec<usize>> {
         let width = self.look.features.width();
         let rect = self.metres(around(patch, width));
         if !is_sure {
-            widen(rect, MOST_WIDENED, with_margins(outlines, bounded));
+            widen(rect, MOST_WIDENED, with_outlines(outlines, bounded));
             return vec![];
         }
         // What remains of a thing that reaches onto the floor is no foot of a wall.
@@ -162,7 +157,7 @@ impl Explained<'_> {
         let most = if self.foot.is_some() { MOST_WIDENED_LEANING } else { MOST_WIDENED };
         let mut left = patch.to_vec();
         left.retain(|&cell| {
-            !widen(self.metres(around(&[cell], width)), most, with_margins(outlines, bounded))
+            !widen(self.metres(around(&[cell], width)), most, with_outlines(outlines, bounded))
         });
         // A patch of which nothing was taken is one region still; noise makes thousands of these.
         let whole = left.len() == patch.len();
@@ -171,7 +166,7 @@ impl Explained<'_> {
             let rect = self.metres(around(region, width));
             let is_sliver = self.foot.is_some()
                 && (region.len() as f64) < SLIVER * self.look.view.scale.powi(2);
-            !is_sliver || !widen(rect, 2.0 * most, with_margins(outlines, bounded))
+            !is_sliver || !widen(rect, 2.0 * most, with_outlines(outlines, bounded))
         });
         rest
     }
@@ -184,7 +179,7 @@ impl Explained<'_> {
         let mut covers: Vec<Bounded> = rects.into_iter().map(bounded).collect();
         for region in rest {
             let rect = self.metres(around(&region, width));
-            if !widen(rect, MOST_WIDENED, covers.iter_mut().map(as_it_stands)) {
+            if !widen(rect, MOST_WIDENED, covers.iter_mut().map(|cover| (cover.rect, cover))) {
                 covers.extend(cut(&region, width).into_iter().map(bounded));
             }
         }
