@@ -222,9 +222,7 @@ impl<'a> Task<'a> {
             if camera.random.f64() < LOST {
                 continue;
             }
-            let shown: Vec<Shape> =
-                camera.shown(time).into_iter().map(|thing| thing.footprint).collect();
-            tracker.update(Duration::from_secs_f64(time), &shown);
+            tracker.update(Duration::from_secs_f64(time), &camera.shown(time));
             for track in tracker.tracks().iter().filter(|track| track.frames() >= KNOWN_IN) {
                 let off = |other: &&&Track| {
                     other.at(self.began + time).distance(track.footprint().bounds().centre())

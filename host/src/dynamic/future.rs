@@ -151,7 +151,7 @@ mod tests {
         for frame in 0..20u32 {
             tracker.update(
                 100 * Duration::from_millis(frame.into()),
-                &[disc(0.02 * f64::from(frame))],
+                &[disc(0.02 * f64::from(frame)).into()],
             );
         }
         // Seen last at 0.38 m, 0.1 s ago, at 0.2 m/s.

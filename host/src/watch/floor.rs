@@ -8,7 +8,6 @@
 use crate::dynamic::Future;
 use crate::geometry::Point;
 use crate::scene::Obstacle;
-use crate::shape::Shape;
 use crate::track::obstacles::{Track, TrackId, Tracker};
 use std::time::Duration;
 
@@ -29,7 +28,8 @@ pub struct Hazard {
     pub obstacle: Obstacle,
     /// Its velocity, m/s; 0 while it stands.
     pub velocity: [f64; 2],
-    /// Whether it was ever seen to move: what has stopped may set out again at any moment.
+    /// Whether it was seen to move: what has stopped may set out again at any moment, until it has kept its place
+    /// for long.
     pub may_move: bool,
     /// Whether it was seen often enough to tell whether it moves.
     pub is_known: bool,
@@ -80,14 +80,14 @@ impl Floor {
             moving.iter().any(|before| before.distance(at) < CAME)
         };
         let is_robot = |obstacle: &Obstacle| is_robot(obstacle) && !came(obstacle);
-        let seen: Vec<&Obstacle> = seen.iter().filter(|obstacle| !is_robot(obstacle)).collect();
-        let shapes: Vec<Shape> = seen.iter().map(|obstacle| obstacle.footprint.clone()).collect();
-        self.tracker.update(exposed, &shapes);
+        let seen: Vec<Obstacle> =
+            seen.iter().filter(|obstacle| !is_robot(obstacle)).cloned().collect();
+        self.tracker.update(exposed, &seen);
         let before = std::mem::take(&mut self.things);
         for track in self.tracker.tracks() {
             let there = track.footprint().bounds().centre();
             let off = |obstacle: &Obstacle| obstacle.footprint.bounds().centre().distance(there);
-            let shown = seen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+            let shown = seen.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
             let last = before.iter().find(|(id, _)| *id == track.id());
             let obstacle = match (shown.filter(|_| track.misses() == 0), last) {
                 (Some(shown), _) => shown.clone(),
@@ -96,8 +96,7 @@ impl Floor {
             };
             if !is_robot(&obstacle) {
                 let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
-                let has_moved = track.has_moved() || last.is_some_and(|(_, last)| last.may_move);
-                let may_move = !self.is_still && (has_moved || velocity != [0.0; 2]);
+                let may_move = !self.is_still && (track.has_moved() || velocity != [0.0; 2]);
                 let is_known = self.is_still || may_move || track.stands();
                 self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
@@ -227,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_stopped_may_set_out_again() {
+    fn what_has_stopped_may_set_out_again_until_it_has_kept_its_place_for_long() {
         let mut floor = Floor::default();
         // It comes at 0.2 m/s and stops after a second.
         let mut reaches = Vec::new();
@@ -238,11 +237,10 @@ mod tests {
             reaches.extend(futures.first().map(|future| future.reach(1.0)));
         }
         let hazards = floor.hazards();
-        assert!(!hazards[0].moves() && hazards[0].may_move && !hazards[1].may_move);
-        assert_eq!(floor.standing(), [thing(1.5, 0.5)]);
-        // Within five seconds it may go far; then it is taken to stay, and only its edges are unsure.
-        let lately = reaches.len() - 80;
-        assert!(reaches[lately] > 0.08 && reaches[reaches.len() - 1] <= 0.02, "{reaches:?}");
+        // Within five seconds it may go far; then it is taken to stay.
+        assert!(reaches.len() > 60 && reaches.iter().all(|reach| *reach > 0.08), "{reaches:?}");
+        assert!(hazards.iter().all(|hazard| !hazard.moves() && !hazard.may_move));
+        assert_eq!(floor.standing(), [thing(0.7, 0.5), thing(1.5, 0.5)]);
     }
 
     #[test]

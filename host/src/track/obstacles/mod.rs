@@ -18,7 +18,7 @@ mod track;
 
 pub use track::{PredictedSet, Track, TrackId};
 
-use crate::shape::Shape;
+use crate::scene::Obstacle;
 use std::time::Duration;
 
 /// The standard deviation of the centre and of each edge of a shape, metres, where nobody knows better.
@@ -69,7 +69,7 @@ impl Tracker {
         Self { tracks: Vec::new(), time: Duration::ZERO, next: 1, sigma, widening: 1.0 }
     }
 
-    /// Takes in the shapes of the frame exposed at `time`; a frame exposed before the last one is
+    /// Takes in what the frame shows that was exposed at `time`; a frame exposed before the last one is
     /// passed over.
     ///
     /// ```
@@ -86,18 +86,18 @@ impl Tracker {
     /// let there = tracker.tracks()[0].predicted(Duration::from_secs(1)).footprint.bounds();
     /// assert!((there.x0 - 0.58).abs() < 0.01);
     /// ```
-    pub fn update(&mut self, time: Duration, shapes: &[Shape]) -> FrameChanges {
+    pub fn update(&mut self, time: Duration, seen: &[Obstacle]) -> FrameChanges {
         let mut changes = FrameChanges::default();
         if time <= self.time && self.next > 1 {
             return changes;
         }
         self.time = time;
-        let owners = self.associate(time, shapes);
+        let owners = self.associate(time, seen);
         for (index, track) in self.tracks.iter_mut().enumerate() {
-            let shape = owners.iter().position(|&owner| owner == Some(index));
-            match shape.and_then(|shape| shapes.get(shape)) {
-                Some(shape) => {
-                    if track.see(time, shape, &mut self.widening) {
+            let own = owners.iter().position(|&owner| owner == Some(index));
+            match own.and_then(|own| seen.get(own)) {
+                Some(seen) => {
+                    if track.see(time, seen, &mut self.widening) {
                         changes.reshaped.push(track.id());
                     }
                 }
@@ -106,10 +106,10 @@ impl Tracker {
         }
         changes.lost.extend(self.tracks.iter().filter(|t| t.misses() >= MISSES).map(Track::id));
         self.tracks.retain(|track| track.misses() < MISSES);
-        for (shape, _) in shapes.iter().zip(&owners).filter(|(_, owner)| owner.is_none()) {
+        for (seen, _) in seen.iter().zip(&owners).filter(|(_, owner)| owner.is_none()) {
             let id = TrackId(self.next);
             self.next += 1;
-            self.tracks.push(Track::new(id, time, shape, self.sigma));
+            self.tracks.push(Track::new(id, time, seen, self.sigma));
             changes.born.push(id);
         }
         for track in &mut self.tracks {
@@ -128,11 +128,11 @@ impl Tracker {
         self.time
     }
 
-    /// The track of every shape, the nearest pairs first; each track takes one shape at most.
-    fn associate(&self, time: Duration, shapes: &[Shape]) -> Vec<Option<usize>> {
+    /// The track of every obstacle that is seen, the nearest pairs first; each track takes one at most.
+    fn associate(&self, time: Duration, seen: &[Obstacle]) -> Vec<Option<usize>> {
         let mut pairs = Vec::new();
-        for (number, shape) in shapes.iter().enumerate() {
-            let (centre, bounds) = (outline::centre(shape), shape.bounds());
+        for (number, Obstacle { footprint, .. }) in seen.iter().enumerate() {
+            let (centre, bounds) = (outline::centre(footprint), footprint.bounds());
             let half = (bounds.x1 - bounds.x0).min(bounds.y1 - bounds.y0) / 2.0;
             for (index, track) in self.tracks.iter().enumerate() {
                 let distance = centre.distance(track.centre_at(time));
@@ -144,11 +144,11 @@ impl Tracker {
             }
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut owners = vec![None; shapes.len()];
+        let mut owners = vec![None; seen.len()];
         let mut is_taken = vec![false; self.tracks.len()];
-        for (_, track, shape) in pairs {
-            if owners[shape].is_none() && !is_taken[track] {
-                owners[shape] = Some(track);
+        for (_, track, number) in pairs {
+            if owners[number].is_none() && !is_taken[track] {
+                owners[number] = Some(track);
                 is_taken[track] = true;
             }
         }

@@ -56,6 +56,7 @@ pub(super) struct Motion {
     covariance: [f64; 3],
     /// The mean of ν²/S.
     surprise: f64,
+    /// Of a coordinate as it was last measured.
     variance: f64,
 }
 
@@ -94,9 +95,10 @@ impl Motion {
         self.time = time;
     }
 
-    /// Takes in where the centre was seen at the filter's time.
-    pub(super) fn correct(&mut self, seen: Point) {
+    /// Takes in where the centre was seen at the filter's time; `sigma` is the standard deviation of a coordinate.
+    pub(super) fn correct(&mut self, seen: Point, sigma: f64) {
         self.seen = self.time;
+        self.variance = sigma * sigma;
         let [p, c, v] = self.covariance;
         let s = p + self.variance;
         let mut gain = [p / s, c / s];
@@ -166,7 +168,7 @@ mod tests {
         motion.advance(Duration::from_secs(1));
         // Var p = 25e-6 + 0.04 + q/3, Cov = 0.04 + q/2, S = Var p + 25e-6.
         let s = 25e-6 + 0.04 + NOISE / 3.0 + 25e-6;
-        motion.correct(Point::new(0.1, 0.0));
+        motion.correct(Point::new(0.1, 0.0), 0.005);
         assert!((motion.position().x - 0.1 * (s - 25e-6) / s).abs() < 1e-12);
         assert!((motion.velocity()[0] - 0.1 * (0.04 + NOISE / 2.0) / s).abs() < 1e-12);
         assert_eq!(motion.velocity()[1], 0.0);
@@ -180,7 +182,7 @@ mod tests {
         for frame in 1..=35u64 {
             motion.advance(Duration::from_millis(100 * frame));
             let there = Point::new(0.02 * frame.min(30) as f64, 0.0);
-            motion.correct(there);
+            motion.correct(there, 0.005);
             if frame > 5 {
                 let off = motion.position().distance(there);
                 assert!(off < SPANNED * motion.sigma_ahead(0.0), "{off} in frame {frame}");
@@ -194,7 +196,7 @@ mod tests {
         let first = motion.sigma_ahead(2.0);
         for frame in 1..=20u64 {
             motion.advance(Duration::from_millis(100 * frame));
-            motion.correct(Point::new(0.016 * frame as f64, 0.0));
+            motion.correct(Point::new(0.016 * frame as f64, 0.0), 0.005);
         }
         let settled = [0.0, 0.5, 1.0, 2.0].map(|h| motion.sigma_ahead(h));
         assert!(settled.is_sorted() && settled[3] < first / 4.0, "{first} {settled:?}");

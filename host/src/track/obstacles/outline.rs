@@ -2,9 +2,14 @@
 //!
 //! Vision sees every edge again in each frame, some millimetres off. What plans with the outline would then
 //! plan again each time. So an outline is held until several frames in a row agree that it is another. How
-//! far two outlines are apart is how far their tangents are in a number of directions. Metres.
+//! far two outlines are apart is how far their tangents are in a number of directions.
+//!
+//! Not all edges are seen equally well. Those of a box that leans towards the camera keep still to a millimetre; where
+//! it ends on the other side is an inference that may jump by centimetres from one frame to the next. So an obstacle
+//! lies where its sure edges say ([`Outline::place`]), and does not move when only an unsure one does. Metres.
 
 use crate::geometry::{Point, Rect};
+use crate::scene::Obstacle;
 use crate::shape::{Circle, Shape};
 use std::f64::consts::TAU;
 
@@ -23,10 +28,20 @@ const MEAN_OF: f64 = 20.0;
 /// The mean of the edges replaces the outline if it has gone so far from it, in standard deviations of an edge.
 const MOVED: f64 = 1.5;
 
-/// The held outline of one obstacle, its centre at the origin.
+/// Where an obstacle is seen, and by how much that may be wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub(super) at: Point,
+    /// For either coordinate, because all of its edges are unsure.
+    pub(super) doubt: f64,
+}
+
+/// The held outline of one obstacle, whose centre was at the origin when it was first seen.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Outline {
     held: Shape,
+    /// By how much the edges of the held outline may be wrong: left, lower, right, upper.
+    margin: [f64; 4],
     /// The mean of what was seen since the outline was last replaced, where shapes can be averaged.
     mean: Shape,
     seen: f64,
@@ -37,14 +52,42 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    pub(super) fn new(shape: &Shape, sigma: f64) -> Self {
-        let held = centred(shape);
-        Self { mean: held.clone(), held, seen: 1.0, different: 0, beyond: 0.0, sigma }
+    /// The outline of an obstacle that lies at `place`.
+    pub(super) fn new(seen: &Obstacle, place: Point, sigma: f64) -> Self {
+        let (held, margin) = (seen.footprint.moved_by(-place.x, -place.y), seen.margin);
+        Self { mean: held.clone(), held, margin, seen: 1.0, different: 0, beyond: 0.0, sigma }
     }
 
-    /// The outline with its centre at `centre`.
-    pub(super) fn at(&self, centre: Point) -> Shape {
-        self.held.moved_by(centre.x, centre.y)
+    /// The outline of an obstacle that lies at `place`.
+    pub(super) fn at(&self, place: Point) -> Shape {
+        self.held.moved_by(place.x, place.y)
+    }
+
+    /// Where an obstacle lies of which a frame shows this: the mean of where its edges say, each weighted by the
+    /// inverse of its variance, which is that of noise and margins in the frame and in the held outline.
+    pub(super) fn place(&self, seen: &Obstacle) -> Place {
+        let unsure = [0, 1, 2, 3].map(|edge| seen.margin[edge].hypot(self.margin[edge]));
+        let either = |low: usize| unsure[low] * unsure[low + 2];
+        let doubt = |low: usize| match unsure[low].hypot(unsure[low + 2]) {
+            0.0 => 0.0,
+            both => either(low) / both,
+        };
+        let at = match (&seen.footprint, &self.held) {
+            (Shape::Rect(now), Shape::Rect(held)) => {
+                let weight = |edge: usize| 1.0 / (self.sigma.powi(2) + unsure[edge].powi(2));
+                let mean = |low: usize, offsets: [f64; 2]| {
+                    let [a, b] = [weight(low), weight(low + 2)];
+                    (a * offsets[0] + b * offsets[1]) / (a + b)
+                };
+                let x = mean(0, [now.x0 - held.x0, now.x1 - held.x1]);
+                Point::new(x, mean(1, [now.y0 - held.y0, now.y1 - held.y1]))
+            }
+            (now, held) => {
+                let (now, held) = (centre(now), centre(held));
+                Point::new(now.x - held.x, now.y - held.y)
+            }
+        };
+        Place { at, doubt: doubt(0).max(doubt(1)) }
     }
 
     /// How much further out the obstacle may reach than the outline: the noise of its edges, or what it
@@ -53,15 +96,15 @@ impl Outline {
         self.beyond
     }
 
-    /// Takes in what a frame shows; whether the outline is another now.
-    pub(super) fn see(&mut self, shape: &Shape) -> bool {
-        let now = centred(shape);
+    /// Takes in what a frame shows of an obstacle that lies at `place`; whether the outline is another now.
+    pub(super) fn see(&mut self, seen: &Obstacle, place: Point) -> bool {
+        let now = seen.footprint.moved_by(-place.x, -place.y);
         let difference = difference(&now, &self.held);
         self.beyond = difference.max(2.0 * self.sigma);
         if difference > SAME * self.sigma {
             self.different += 1;
             if self.different >= AGREEING {
-                *self = Self { beyond: self.beyond, ..Self::new(shape, self.sigma) };
+                *self = Self { beyond: self.beyond, ..Self::new(seen, place, self.sigma) };
                 return true;
             }
             return false;
@@ -98,11 +141,6 @@ pub(super) fn centre(shape: &Shape) -> Point {
             Point::new(first.x + x / (3.0 * twice), first.y + y / (3.0 * twice))
         }
     }
-}
-
-fn centred(shape: &Shape) -> Shape {
-    let Point { x, y } = centre(shape);
-    shape.moved_by(-x, -y)
 }
 
 /// The greatest distance between parallel tangents of two shapes.
@@ -162,6 +200,33 @@ mod tests {
     }
 
     #[test]
+    fn a_place_by_hand() {
+        let first = Obstacle { margin: [0.003; 4], ..Rect::new(0.0, 0.0, 0.2, 0.1).into() };
+        let outline = Outline::new(&first, Point::new(0.1, 0.05), SIGMA);
+        let at = |rect: [f64; 4], margin| {
+            let [x0, y0, x1, y1] = rect;
+            outline.place(&Obstacle { margin, ..Rect::new(x0, y0, x1, y1).into() })
+        };
+        // All edges 20 mm to the right: whatever the margins, so is the obstacle.
+        let place = at([0.02, 0.0, 0.22, 0.1], [0.03, 0.004, 0.003, 0.004]).at;
+        assert!(place.distance(Point::new(0.12, 0.05)) < 1e-12, "{place:?}");
+        // The left edge alone 30 mm to the left, and unsure by 40 mm: variances 25 + 9 + 1600 and 25 + 9 + 16 mm².
+        let margin = [0.04, 0.004, 0.004, 0.004];
+        let Place { at: place, doubt } = at([-0.03, 0.0, 0.2, 0.1], margin);
+        let shift = 0.03 * (1.0 / 1634.0) / (1.0 / 1634.0 + 1.0 / 50.0);
+        assert!((place.x - (0.1 - shift)).abs() < 1e-12 && (place.y - 0.05).abs() < 1e-12);
+        // Of the coordinates the less sure: hypot(3, 40) and hypot(3, 4) mm, in parallel.
+        let both = 0.005 * 1609f64.sqrt() / (25f64 + 1609.0).sqrt();
+        assert!((doubt - both).abs() < 1e-9, "{doubt} {both}");
+        // Edges that are known exactly leave no doubt.
+        let known =
+            Outline::new(&Rect::new(0.0, 0.0, 0.2, 0.1).into(), Point::new(0.1, 0.05), SIGMA);
+        let found = known.place(&Rect::new(0.0, 0.0, 0.3, 0.1).into());
+        assert_eq!((found.doubt, known.place(&first).doubt > 0.0), (0.0, true));
+        assert!((found.at.x - 0.15).abs() < 1e-12, "no edge is surer than the other");
+    }
+
+    #[test]
     fn tangents_of_a_square_and_a_disc_differ_by_hand() {
         let square = Shape::from(Rect::new(-1.0, -1.0, 1.0, 1.0));
         let disc = Shape::from(Circle { centre: Point::new(0.0, 0.0), radius: 1.0 });
@@ -172,10 +237,16 @@ mod tests {
     fn noise_settles_and_leaves_the_outline_alone() {
         let mut random = fastrand::Rng::with_seed(3);
         let mut noise = || SIGMA * ((0..12).map(|_| random.f64()).sum::<f64>() - 6.0);
-        let mut box_seen =
-            || Rect::new(1.0 + noise(), 1.0 + noise(), 1.2 + noise(), 1.1 + noise()).into();
-        let mut outline = Outline::new(&box_seen(), SIGMA);
-        let changes: Vec<bool> = (0..300).map(|_| outline.see(&box_seen())).collect();
+        let mut box_seen = || -> Obstacle {
+            Rect::new(1.0 + noise(), 1.0 + noise(), 1.2 + noise(), 1.1 + noise()).into()
+        };
+        let mut outline = Outline::new(&box_seen(), Point::new(1.1, 1.05), SIGMA);
+        let mut see = || {
+            let seen = box_seen();
+            let place = outline.place(&seen).at;
+            outline.see(&seen, place)
+        };
+        let changes: Vec<bool> = (0..300).map(|_| see()).collect();
         assert!(changes.iter().filter(|&&changed| changed).count() <= 3, "{changes:?}");
         assert!(!changes[20..].contains(&true));
         let bounds = outline.at(Point::new(0.0, 0.0)).bounds();
@@ -184,11 +255,17 @@ mod tests {
 
     #[test]
     fn an_outline_that_stays_another_is_taken_over_and_a_single_one_is_not() {
-        let mut outline = Outline::new(&Rect::new(0.0, 0.0, 0.2, 0.2).into(), SIGMA);
-        let long = Rect::new(0.0, 0.0, 0.4, 0.2).into();
-        assert!(!outline.see(&long) && (outline.beyond() - 0.1).abs() < 1e-12);
-        assert!(!outline.see(&Rect::new(0.0, 0.0, 0.2, 0.2).into()));
-        assert_eq!([0; 3].map(|_| outline.see(&long)), [false, false, true]);
-        assert_eq!(outline.at(Point::new(0.2, 0.1)), long);
+        let (short, long) = (Rect::new(0.0, 0.0, 0.2, 0.2), Rect::new(0.0, 0.0, 0.4, 0.2));
+        let mut outline = Outline::new(&short.into(), Point::new(0.1, 0.1), SIGMA);
+        let mut see = |rect: Rect| {
+            let place = outline.place(&rect.into()).at;
+            (outline.see(&rect.into(), place), outline.beyond())
+        };
+        let (changed, beyond) = see(long);
+        assert!(!changed && (beyond - 0.1).abs() < 1e-12);
+        assert!(!see(short).0);
+        assert_eq!([long; 3].map(|rect| see(rect).0), [false, false, true]);
+        let found = outline.at(Point::new(0.2, 0.1)).bounds();
+        assert!((found.x0 - long.x0).abs() < 1e-12 && (found.x1 - long.x1).abs() < 1e-12);
     }
 }

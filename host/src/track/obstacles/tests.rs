@@ -13,7 +13,7 @@ fn normal(random: &mut fastrand::Rng, sigma: f64) -> f64 {
     sigma * ((0..12).map(|_| random.f64()).sum::<f64>() - 6.0)
 }
 
-fn disc(centre: Point) -> Shape {
+fn disc(centre: Point) -> Obstacle {
     Circle { centre, radius: 0.05 }.into()
 }
 
@@ -87,6 +87,29 @@ fn a_box_that_stands_keeps_still_and_its_set_is_narrow() {
     assert!(changes <= 4, "{changes} outlines in 200 frames");
     let bounds = tracker.tracks()[0].footprint().bounds();
     assert!((bounds.x0 - 1.0).abs() < 0.015 && (bounds.y1 - 0.7).abs() < 0.015, "{bounds:?}");
+}
+
+/// A box as a camera sees it that leans: its left and its upper edge are inferred anew in each frame, 30 mm off.
+fn leaning(x: f64, frame: u64) -> Obstacle {
+    let off = [0.0, 0.03, 0.01, 0.025, -0.005][(frame % 5) as usize]
+        * if frame < 40 { 1.0 } else { -1.0 };
+    let margin = [0.035, 0.004, 0.004, 0.03];
+    Obstacle { margin, ..Rect::new(x + off, 0.5, x + 0.3, 0.7 - off).into() }
+}
+
+#[test]
+fn a_box_whose_far_edges_jump_stands_and_one_that_is_pushed_moves() {
+    let mut tracker = Tracker::default();
+    for frame in 0..80 {
+        tracker.update(at(frame), &[leaning(1.0, frame)]);
+        let [track] = tracker.tracks() else { panic!("{} tracks", tracker.tracks().len()) };
+        assert!(frame < 5 || track.stands(), "frame {frame}");
+    }
+    // Pushed at 0.1 m/s: told within half a second.
+    for frame in 80..85 {
+        tracker.update(at(frame), &[leaning(1.0 + 0.01 * (frame - 79) as f64, frame)]);
+    }
+    assert!(tracker.tracks()[0].has_moved());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One obstacle over time, and the sets in which it will be.
 
 use super::motion::Motion;
-use super::outline::{Outline, centre};
+use super::outline::{Outline, Place, centre};
 use crate::geometry::Point;
 use crate::scene::Obstacle;
 use crate::shape::Shape;
@@ -18,7 +18,8 @@ const KNOWN: u32 = 5;
 /// Recent centres that are held against the first ones.
 const RECENT: usize = 5;
 
-/// An obstacle has moved if recent centres lie so many standard deviations of their mean from the first.
+/// An obstacle has moved if recent centres lie so many standard deviations of their mean from the first,
+/// beyond what is in doubt.
 const MOVED_SIGMAS: f64 = 5.0;
 
 /// What has moved and then kept its place for so many frames stands: five seconds at ten a second.
@@ -95,13 +96,13 @@ pub struct Track {
 }
 
 impl Track {
-    pub(super) fn new(id: TrackId, time: Duration, shape: &Shape, sigma: f64) -> Self {
-        let centre = centre(shape);
+    pub(super) fn new(id: TrackId, time: Duration, seen: &Obstacle, sigma: f64) -> Self {
+        let centre = centre(&seen.footprint);
         Self {
             id,
             time,
             motion: Motion::new(time, centre, sigma),
-            outline: Outline::new(shape, sigma),
+            outline: Outline::new(seen, centre, sigma),
             frames: 1,
             misses: 0,
             has_moved: false,
@@ -170,16 +171,16 @@ impl Track {
     }
 
     /// Takes in what a frame shows of it; whether its outline is another now.
-    pub(super) fn see(&mut self, time: Duration, shape: &Shape, widening: &mut f64) -> bool {
-        let seen = centre(shape);
+    pub(super) fn see(&mut self, time: Duration, seen: &Obstacle, widening: &mut f64) -> bool {
+        let place = self.outline.place(seen);
         self.motion.advance(time);
-        self.motion.correct(seen);
+        self.motion.correct(place.at, self.sigma.hypot(place.doubt));
         self.time = time;
         self.frames += 1;
         self.misses = 0;
-        self.judge_motion(seen);
+        self.judge_motion(place);
         self.judge_predictions(time, widening);
-        self.outline.see(shape)
+        self.outline.see(seen, place.at)
     }
 
     /// A frame does not show it.
@@ -194,7 +195,7 @@ impl Track {
     }
 
     pub(super) fn centre_at(&self, time: Duration) -> Point {
-        self.motion.at(time)
+        centre(&self.outline.at(self.motion.at(time)))
     }
 
     pub(super) fn gate(&self, time: Duration, sigmas: f64) -> f64 {
@@ -209,7 +210,7 @@ impl Track {
 
     /// Whether recent centres lie apart from the first ones, or the velocity is none that noise makes. What has
     /// moved stands again when it has kept its place for long.
-    fn judge_motion(&mut self, seen: Point) {
+    fn judge_motion(&mut self, Place { at: seen, doubt }: Place) {
         self.recent.push_back(seen);
         if self.recent.len() > RECENT {
             self.recent.pop_front();
@@ -221,7 +222,7 @@ impl Track {
         let noise = self.sigma * (1.0 / count + 1.0 / f64::from(frames)).sqrt();
         let [vx, vy] = self.motion.velocity();
         let is_fast = vx.hypot(vy) > MOVED_SIGMAS * self.motion.velocity_sigma();
-        if is_fast || recent.distance(first) > MOVED_SIGMAS * noise {
+        if is_fast || recent.distance(first) > MOVED_SIGMAS * noise + doubt {
             self.has_moved = true;
             (self.anchor, self.still) = ((seen, 1), 0);
         } else {

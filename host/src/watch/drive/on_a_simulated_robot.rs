@@ -18,16 +18,18 @@ use protocol::motion::Timing;
 type Port = Simulation<InProcess>;
 
 const FRAME: Duration = Duration::from_millis(100);
+/// How long the robot waits.
+const PATIENCE: Duration = Duration::from_secs(2);
 /// From a frame to its judgement, and from that to wheels that slow down, s.
 const LATENCY: f64 = 0.2;
 
-/// Sees the truth ten times a second, and from a time on a box.
-struct Onlooker {
+/// Sees the truth ten times a second, and the boxes that are there at each time, s.
+struct Onlooker<F> {
     next: Duration,
-    comes: Option<(f64, Rect)>,
+    things: F,
 }
 
-impl Watcher<Port> for Onlooker {
+impl<F: Fn(f64) -> Vec<Rect>> Watcher<Port> for Onlooker<F> {
     fn expect(&mut self, _: Duration, _: Pose) {}
 
     fn look(&mut self, port: &mut Port, now: Duration) -> Result<Look, SourceError> {
@@ -35,12 +37,11 @@ impl Watcher<Port> for Onlooker {
             return Ok(Look::Nothing);
         }
         self.next = now + FRAME;
-        let is_there = |(since, _): &(f64, Rect)| now.as_secs_f64() >= *since;
-        let obstacles = self.comes.filter(is_there).map(|(_, rect)| rect.into());
+        let things = (self.things)(now.as_secs_f64());
         Ok(Look::Seen(Sight {
             exposed: now,
             robot: Some(port.truth().pose.into()),
-            obstacles: obstacles.into_iter().collect(),
+            obstacles: things.into_iter().map(Obstacle::from).collect(),
             relocated: false,
         }))
     }
@@ -55,7 +56,15 @@ struct Story {
 }
 
 /// Along 1.4 m of free floor, as wished at each time, s.
-fn drive(comes: Option<(f64, Rect)>, wish: impl Fn(f64) -> Wish) -> Story {
+fn drive(things: impl Fn(f64) -> Vec<Rect>, wish: impl Fn(f64) -> Wish) -> Story {
+    drive_with(PATIENCE, things, wish)
+}
+
+fn drive_with(
+    patience: Duration,
+    things: impl Fn(f64) -> Vec<Rect>,
+    wish: impl Fn(f64) -> Wish,
+) -> Story {
     let start = Pose::new(0.3, 0.5, 0.0);
     let scene = Scene::new(2.0, 1.0);
     let mut client = LinkClient::new(robot_in(&scene, start, 1), 1);
@@ -67,14 +76,9 @@ fn drive(comes: Option<(f64, Rect)>, wish: impl Fn(f64) -> Wish) -> Story {
         legs: LegOptions { timing: Timing::Limits, reverse: false },
     };
     let route = router.route(&[], start, (0.0, false), &DEFAULT_LIMITS).unwrap();
-    let options = WatchOptions {
-        router,
-        sigma: PoseSigma::TAGGED,
-        patience: Duration::from_secs(2),
-        foresees: true,
-    };
+    let options = WatchOptions { router, sigma: PoseSigma::TAGGED, patience, foresees: true };
     let mut drive = WatchedDrive::new(options, DEFAULT_LIMITS, start, route, Vec::new());
-    let mut watcher = Onlooker { next: Duration::ZERO, comes };
+    let mut watcher = Onlooker { next: Duration::ZERO, things };
     let (mut path, mut events) = (Vec::new(), Vec::new());
     let result = loop {
         let now = client.port_mut().now().as_secs_f64();
@@ -100,6 +104,11 @@ impl Story {
     }
 }
 
+/// A box that is set down at a time.
+fn since(time: f64, rect: Rect) -> impl Fn(f64) -> Vec<Rect> {
+    move |now| if now >= time { vec![rect] } else { vec![] }
+}
+
 fn paused(time: f64) -> Wish {
     if (1.5..5.5).contains(&time) { Wish::Pause } else { Wish::Drive }
 }
@@ -107,7 +116,7 @@ fn paused(time: f64) -> Wish {
 /// From 0.4 m/s a robot of 0.8 m/s² stands after 0.5 s. The pause is longer than the patience with a hold.
 #[test]
 fn a_pause_holds_the_robot_and_costs_no_patience() {
-    let story = drive(None, paused);
+    let story = drive(|_| vec![], paused);
     let end = story.result.as_ref().unwrap();
     assert!(end.position.distance(Point::new(1.7, 0.5)) < 0.005, "{end:?}");
     let (held, later) = (story.at(2.0 + LATENCY), story.at(5.5));
@@ -118,7 +127,7 @@ fn a_pause_holds_the_robot_and_costs_no_patience() {
 #[test]
 fn what_comes_during_a_pause_is_not_driven_into() {
     let rect = Rect::new(1.3, 0.4, 1.4, 0.6);
-    let story = drive(Some((3.0, rect)), paused);
+    let story = drive(since(3.0, rect), paused);
     assert!(story.result.is_ok(), "{:?}", story.events);
     assert!(story.events.iter().all(|(at, _)| !(1.5..5.5).contains(at)), "{:?}", story.events);
     let first = story.events.first().unwrap();
@@ -132,7 +141,7 @@ fn what_comes_during_a_pause_is_not_driven_into() {
 #[test]
 fn a_stop_during_a_pause_ends_the_drive() {
     let wish = |time| if time > 3.0 { Wish::Stop } else { paused(time) };
-    let story = drive(None, wish);
+    let story = drive(|_| vec![], wish);
     assert!(matches!(story.result, Err(WatchError::Drive(DriveError::Stopped))));
     let (last, held) = (story.path.last().unwrap(), story.at(2.0 + LATENCY));
     assert!(last.0 < 3.0 + STOP_TIMEOUT.as_secs_f64(), "the robot has confirmed it: {last:?}");
@@ -143,7 +152,7 @@ fn a_stop_during_a_pause_ends_the_drive() {
 #[test]
 fn a_newcomer_beside_the_way_is_waited_for_until_it_is_known() {
     let rect = Rect::new(0.95, 0.68, 1.05, 0.78);
-    let story = drive(Some((1.5, rect)), |_| Wish::Drive);
+    let story = drive(since(1.5, rect), |_| Wish::Drive);
     let end = story.result.as_ref().unwrap();
     assert!(end.position.distance(Point::new(1.7, 0.5)) < 0.005, "{end:?}");
     let held = story.events.iter().find(|(_, event)| matches!(event, WatchEvent::Held(_)));
@@ -154,4 +163,25 @@ fn a_newcomer_beside_the_way_is_waited_for_until_it_is_known() {
     // Five frames make it known.
     assert!((0.2..0.8).contains(&(resumed - held)), "{:?}", story.events);
     assert_eq!(story.drive.statistics().waits, 1);
+}
+
+/// While the robot is paused a box rolls in at 0.15 m/s until it is 10 mm beside it, and after the pause back to 25 mm:
+/// less than what is kept from things that may set out again, more than what is kept from those that stand.
+#[test]
+fn what_has_come_beside_the_robot_and_stays_is_driven_past() {
+    // A wall on the other side leaves no way round.
+    let wall = Rect::new(0.0, 0.0, 2.0, 0.41);
+    let rolls = |time: f64| {
+        let below =
+            (0.9 - 0.15 * (time - 2.0)).max(0.585 + (0.15 * (time - 6.0)).clamp(0.0, 0.015));
+        let rolling = Rect::new(0.62, below, 0.72, below + 0.1);
+        if time < 2.0 { vec![wall] } else { vec![wall, rolling] }
+    };
+    let story = drive_with(4 * PATIENCE, rolls, paused);
+    let there = story.at(5.5);
+    assert!((0.62..0.72).contains(&there.x), "it rests below the box: {there:?}");
+    let end = story.result.as_ref().unwrap();
+    assert!(end.position.distance(Point::new(1.7, 0.5)) < 0.005, "{end:?}");
+    let last = story.path.last().unwrap().0;
+    assert!(last > 6.0 + 4.0, "{last} s: not before it has kept its place for long");
 }
