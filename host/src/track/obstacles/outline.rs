@@ -32,7 +32,8 @@ const MOVED: f64 = 1.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) at: Point,
-    /// For either coordinate, because all of its edges are unsure.
+    /// For either coordinate, by the margins of its two edges: as little as the surer of them leaves, and nothing if
+    /// one is known exactly.
     pub(super) doubt: f64,
 }
 
@@ -67,11 +68,7 @@ impl Outline {
     /// inverse of its variance, which is that of noise and margins in the frame and in the held outline.
     pub(super) fn place(&self, seen: &Obstacle) -> Place {
         let unsure = [0, 1, 2, 3].map(|edge| seen.margin[edge].hypot(self.margin[edge]));
-        let either = |low: usize| unsure[low] * unsure[low + 2];
-        let doubt = |low: usize| match unsure[low].hypot(unsure[low + 2]) {
-            0.0 => 0.0,
-            both => either(low) / both,
-        };
+        let variance = |low: usize| 1.0 / (unsure[low].powi(-2) + unsure[low + 2].powi(-2));
         let at = match (&seen.footprint, &self.held) {
             (Shape::Rect(now), Shape::Rect(held)) => {
                 let weight = |edge: usize| 1.0 / (self.sigma.powi(2) + unsure[edge].powi(2));
@@ -87,7 +84,7 @@ impl Outline {
                 Point::new(now.x - held.x, now.y - held.y)
             }
         };
-        Place { at, doubt: doubt(0).max(doubt(1)) }
+        Place { at, doubt: variance(0).max(variance(1)).sqrt() }
     }
 
     /// How much further out the obstacle may reach than the outline: the noise of its edges, or what it

@@ -89,7 +89,8 @@ fn a_box_that_stands_keeps_still_and_its_set_is_narrow() {
     assert!((bounds.x0 - 1.0).abs() < 0.015 && (bounds.y1 - 0.7).abs() < 0.015, "{bounds:?}");
 }
 
-/// A box as a camera sees it that leans: its left and its upper edge are inferred anew in each frame, 30 mm off.
+/// A box as a camera sees it that leans: its left and its upper edge are inferred anew in each frame, up
+/// to 30 mm off, and from the fortieth on to the other side.
 fn leaning(x: f64, frame: u64) -> Obstacle {
     let off = [0.0, 0.03, 0.01, 0.025, -0.005][(frame % 5) as usize]
         * if frame < 40 { 1.0 } else { -1.0 };
