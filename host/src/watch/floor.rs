@@ -29,7 +29,7 @@ pub struct Hazard {
     /// Its velocity, m/s; 0 while it stands.
     pub velocity: [f64; 2],
     /// Whether it was seen to move: what has stopped may set out again at any moment, until it has kept its place
-    /// for long.
+    /// for long. What has come so near that it may touch the robot goes on to count: no way leads past it.
     pub may_move: bool,
     /// Whether it was seen often enough to tell whether it moves.
     pub is_known: bool,
@@ -65,9 +65,9 @@ impl Floor {
         seen: &[Obstacle],
         (robot, radius): (Option<Point>, f64),
     ) {
+        let reach = radius + AROUND_ROBOT;
         let is_robot = |obstacle: &Obstacle| {
             robot.is_some_and(|at| {
-                let reach = radius + AROUND_ROBOT;
                 obstacle.footprint.outline().iter().all(|corner| corner.distance(at) < reach)
             })
         };
@@ -85,18 +85,14 @@ impl Floor {
         self.tracker.update(exposed, &seen);
         let before = std::mem::take(&mut self.things);
         for track in self.tracker.tracks() {
-            let there = track.footprint().bounds().centre();
-            let off = |obstacle: &Obstacle| obstacle.footprint.bounds().centre().distance(there);
-            let shown = seen.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            let last = before.iter().find(|(id, _)| *id == track.id());
-            let obstacle = match (shown.filter(|_| track.misses() == 0), last) {
-                (Some(shown), _) => shown.clone(),
-                (None, Some((_, last))) => last.obstacle.clone(),
-                (None, None) => track.footprint().into(),
-            };
+            let last = before.iter().find(|(id, _)| *id == track.id()).map(|(_, last)| last);
+            let obstacle = shown(track, &seen, last);
             if !is_robot(&obstacle) {
                 let velocity = if self.is_still { [0.0; 2] } else { velocity(track) };
-                let may_move = !self.is_still && (track.has_moved() || velocity != [0.0; 2]);
+                let touches = || robot.is_some_and(|at| track.footprint().distance(at) < reach);
+                let has_come = last.is_some_and(|last| last.may_move) && touches();
+                let moved = track.has_moved() || velocity != [0.0; 2] || has_come;
+                let may_move = !self.is_still && moved;
                 let is_known = self.is_still || may_move || track.stands();
                 self.things.push((track.id(), Hazard { obstacle, velocity, may_move, is_known }));
             }
@@ -154,6 +150,18 @@ impl Floor {
         let has = |all: &[Obstacle], one: &Obstacle| all.iter().any(|other| alike(one, other));
         let now = self.standing();
         now.iter().any(|one| !has(others, one)) || others.iter().any(|one| !has(&now, one))
+    }
+}
+
+/// What the frame shows of a track, or what was last shown of it.
+fn shown(track: &Track, seen: &[Obstacle], last: Option<&Hazard>) -> Obstacle {
+    let there = track.footprint().bounds().centre();
+    let off = |obstacle: &Obstacle| obstacle.footprint.bounds().centre().distance(there);
+    let nearest = seen.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    match (nearest.filter(|_| track.misses() == 0), last) {
+        (Some(shown), _) => shown.clone(),
+        (None, Some(last)) => last.obstacle.clone(),
+        (None, None) => track.footprint().into(),
     }
 }
 
@@ -241,6 +249,20 @@ mod tests {
         assert!(reaches.len() > 60 && reaches.iter().all(|reach| *reach > 0.08), "{reaches:?}");
         assert!(hazards.iter().all(|hazard| !hazard.moves() && !hazard.may_move));
         assert_eq!(floor.standing(), [thing(0.7, 0.5), thing(1.5, 0.5)]);
+    }
+
+    #[test]
+    fn what_has_come_to_touch_the_robot_never_counts_as_standing() {
+        // It comes at 0.2 m/s, and stops when 30 mm of it lie under the robot's disc, or 30 mm beside it.
+        let standing = |robot: f64| {
+            let mut floor = Floor::default();
+            for frame in 0..120u64 {
+                let boxes = [thing(0.5 + 0.02 * frame.min(10) as f64, 0.5)];
+                floor.update(at(frame), &boxes, (Some(Point::new(robot, 0.5)), 0.075));
+            }
+            floor.standing().len()
+        };
+        assert_eq!([0.845, 0.905].map(standing), [0, 1]);
     }
 
     #[test]
